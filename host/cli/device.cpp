@@ -29,7 +29,8 @@ struct DeviceOptions {
     bool has_watchdog = false;
     std::uint16_t divider = 1, samples = 0;
     std::uint32_t first_sample = 0;
-    std::uint16_t first = 1, length = 0, loops = 0;
+    std::optional<std::uint16_t> first, loops;
+    std::uint16_t length = 0;
     std::uint64_t at_period = 0;
     std::uint32_t in_periods = 0;
     bool after = false, on_trigger = false;
@@ -134,7 +135,17 @@ link::When when(link::Device& device, const DeviceOptions& options) {
 
 int start(const DeviceOptions& options) {
     link::Device device(options.port);
-    device.start(options.first, options.length, options.loops, when(device, options));
+    const std::uint16_t first = options.first.value_or(1);
+    std::uint16_t length = options.length;
+    if (length == 0 && (options.first || options.loops)) {
+        // A START without a length takes the loops of the memory, too, so the rest of the sequence is named.
+        const std::uint16_t all = link::sequence_length(device);
+        if (first > all)
+            throw bad_argument("first",
+                               fmt::format("{}: the sequence in the board's memory has {} entries", first, all));
+        length = static_cast<std::uint16_t>(all - first + 1);
+    }
+    device.start(first, length, options.loops.value_or(0), when(device, options));
     return after_change(device, options);
 }
 
@@ -231,11 +242,13 @@ void add_device(CLI::App& app, Action& action) {
                          "Play a part of the sequence in the board's memory, a bank; outputs stay as they are, and a "
                          "watchdog of 0 (device enable --watchdog 0) lets it play with no host",
                          start);
-    bank->add_option("--first", options->first, "Its first entry")->check(whole(1, 32767))->capture_default_str();
-    bank->add_option("--length", options->length, "So many entries; 0: the whole sequence, with its loops")
+    bank->add_option("--first", options->first, "Its first entry (default: 1)")->check(whole(1, 32767));
+    bank->add_option("--length", options->length, "So many entries; 0: to the sequence's end")
         ->check(whole(0, 32767))
         ->capture_default_str();
-    bank->add_option("--loops", options->loops, "So often; 0: for ever")->check(whole(0, 65535))->capture_default_str();
+    bank->add_option("--loops", options->loops,
+                     "So often; 0: for ever (default: as the memory says for the whole sequence, and 0 for a part)")
+        ->check(whole(0, 65535));
     add_when(*bank);
     CLI::App* modulation = add("modulate",
                                "Multiply all amplitudes by the samples in the board's modulation memory, from the "

@@ -143,7 +143,8 @@ int play(const PlayOptions& options) {
         options.triggers.empty() ? link::play(device, settings, watch) : play_parts(options, device, settings, watch);
     if (options.play.rate > 0.0)
         tell(streamed_to_json(played), options.json,
-             fmt::format("{} indices, {} underruns", played.sent, played.underruns));
+             fmt::format("{} indices, {} underruns, {} refused records", played.sent, played.underruns,
+                         played.refused_records));
     else
         tell(played_to_json(played), options.json,
              fmt::format("{} underruns, {} refused records", played.underruns, played.refused_records));

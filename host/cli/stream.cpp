@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
@@ -19,6 +20,7 @@
 #include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/rig.hpp"
+#include "haptogram/verbs/settings.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
@@ -32,7 +34,7 @@ struct StreamOptions {
     std::string file = "-";
     std::string path;
     std::optional<std::string> array, board;
-    std::size_t points = Project{}.points;
+    std::optional<std::size_t> points;
     std::uint64_t loops = 1;
     RigPorts ports;
     std::string on_loss = "off";
@@ -49,7 +51,10 @@ Project project_of(const StreamOptions& options) {
     project.path = options.path;
     project.array = options.array;
     project.board = options.board;
-    project.points = options.points;
+    if (options.points) {
+        project.points = *options.points;
+        require_effect(std::vector<std::string>{"--points"}, project);
+    }
     project.am = options.am.value_or("");
     project.am_law = law_of(options.am_law.value_or("pressure"));
     return project;
@@ -143,6 +148,8 @@ int stream_patterns(const StreamOptions& options) {
 int stream(const StreamOptions& options) {
     if (options.ports.is_rig() && options.live)
         throw bad_argument("live", "a stream of patterns goes to one board; give its --port");
+    if (options.ports.is_rig() && options.foci)
+        throw bad_argument("foci", "a stream of foci goes to one board; give its --port, or indices to the rig");
     if (options.ports.is_rig()) return stream_rig(options);
     if (options.live) return stream_patterns(options);
     const link::PortSettings port = options.ports.one();
@@ -174,7 +181,8 @@ int stream(const StreamOptions& options) {
         }
     }
     tell(streamed_to_json(played), options.json,
-         fmt::format("{} {}, {} underruns", played.sent, what, played.underruns));
+         fmt::format("{} {}, {} underruns, {} refused records", played.sent, what, played.underruns,
+                     played.refused_records));
     if (compiled) warn_of(*compiled, played.underruns);
     return 0;
 }
@@ -198,18 +206,19 @@ void add_stream(CLI::App& app, Action& action) {
     sub->add_option("--array", options->array, "Array of --path, as for compile")->needs(path);
     sub->add_option("--board", options->board, "Board of --path, as for compile")->needs(path);
     sub->add_option("--points", options->points,
-                    "Points of --path, as for compile: how often an .adaptics pattern is looked at")
+                    "Points of --path, as for compile: how often an .adaptics pattern is looked at (default: 200)")
         ->needs(path)
-        ->check(whole(1, 65535))
-        ->capture_default_str();
+        ->check(whole(1, 65535));
     sub->add_option("--loops", options->loops, "Passes over the path; 0: until Ctrl-C")
         ->needs(path)
         ->check(whole(0, 65535))
         ->capture_default_str();
     sub->add_flag(
-        "--foci", options->foci,
-        "Lines 'x y z', 'x y z amplitude' or 'x y z amplitude dwell' instead, in mm in the array's frame; the "
-        "board computes the rest, for the array of the image of foci in it");
+           "--foci", options->foci,
+           "Lines 'x y z', 'x y z amplitude' or 'x y z amplitude dwell' instead, in mm in the array's frame; the "
+           "board computes the rest, for the array of the image of foci in it, which this program does not know: "
+           "whether a place is in reach is not checked")
+        ->excludes(path);
     auto* live = sub->add_flag(
         "--live", options->live,
         "A new pattern in each carrier period, on boards that take streams of them: bytes, and for each channel two of "

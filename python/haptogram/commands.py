@@ -176,5 +176,5 @@ def stream_command(options: argparse.Namespace) -> None:
         with source:
             entries = batches(source, where, dwell=options.dwell, records=board.highest_index(), pause=board.until_next)
             sent, outcome = stream(board, entries, watchdog_ms=options.watchdog, stopped=interrupt)
-    values = {"sent": sent, "underruns": outcome.underruns, "interrupted": outcome.interrupted}
-    show(values, options.json, f"{sent} indices, {outcome.underruns} underruns")
+    values = {"sent": sent, "underruns": outcome.underruns, "refused_records": outcome.refused_records, "interrupted": outcome.interrupted}
+    show(values, options.json, f"{sent} indices, {outcome.underruns} underruns, {outcome.refused_records} refused records")

@@ -160,7 +160,7 @@ def test_a_stream_takes_as_long_as_its_dwells_and_is_never_late(tmp_path, image)
     # The Verilated board waits for a busy machine.
     with virtual_board(tmp_path, "--image", image, "--pulses", "pulses.csv", "--model", "rtl") as board:
         streamed = json.loads(ask(tmp_path, "stream", "lines", "--dwell", 2, "--json").stdout)
-        assert streamed == {"sent": 602, "underruns": 0, "interrupted": False}
+        assert streamed == {"sent": 602, "underruns": 0, "refused_records": 0, "interrupted": False}
         assert status(tmp_path)["outputs"] == "off"
         board.send_signal(signal.SIGINT)
         board.communicate(timeout=30)
@@ -178,7 +178,7 @@ def test_a_stream_from_a_pipe_plays_what_is_there(tmp_path, image):
         host.stdin.flush()
         time.sleep(STARTED)
         host.stdin.close()
-        assert json.loads(host.stdout.read()) == {"sent": 1, "underruns": 0, "interrupted": False}
+        assert json.loads(host.stdout.read()) == {"sent": 1, "underruns": 0, "refused_records": 0, "interrupted": False}
         assert host.wait(30) == 0
 
 
@@ -188,6 +188,28 @@ def test_a_bad_line_of_a_stream(line, tmp_path, image):
     with virtual_board(tmp_path, "--image", image):
         assert_one_message(run(["stream", "lines", "--port", "port"], cwd=tmp_path), BAD_INPUT, "lines:2", f"'{line}'", "index dwell")
         assert status(tmp_path)["outputs"] == "off"
+
+
+def test_what_a_stream_asks_for_and_does_not_get_is_told(tmp_path):
+    succeed(["compile", "--shape", "circle", "--points", 4, "-o", "circle.hex"], cwd=tmp_path)
+    (tmp_path / "lines").write_text("1 10\n300 10\n2 10\n")  # an index that the board has, and no record
+    with virtual_board(tmp_path, "--image", "circle.hex"):
+        assert json.loads(ask(tmp_path, "stream", "lines", "--json").stdout)["refused_records"] == 1
+        assert b"3 indices, 0 underruns, 1 refused records" in ask(tmp_path, "stream", "lines").stdout
+
+
+def test_a_part_of_the_sequence_ends_as_asked(tmp_path):
+    succeed(["compile", "--shape", "circle", "--points", 8, "--rate", 100, "-o", "circle.hex"], cwd=tmp_path)
+    with virtual_board(tmp_path, "--image", "circle.hex"):
+        ask(tmp_path, "device", "enable", "--watchdog", 0)
+        for part in (["--loops", 2], ["--first", 5, "--loops", 1], ["--first", 2, "--length", 3, "--loops", 1]):
+            ask(tmp_path, "device", "start", *part)
+            time.sleep(STARTED)
+            assert status(tmp_path)["mode"] == "idle", part
+        ask(tmp_path, "device", "start", "--first", 3)
+        time.sleep(STARTED)
+        assert status(tmp_path)["mode"] == "sequence"
+        assert_one_message(run(["device", "start", "--first", 9, "--port", "port"], cwd=tmp_path), USAGE, "--first", "8 entries")
 
 
 def test_an_image_for_another_board_is_refused_before_a_byte_is_written(tmp_path):

@@ -76,6 +76,7 @@ def test_the_files_of_a_rig(pair):
         (["stream", "--rig", "wall.json", *["--port", "a"] * 3], USAGE, ["--port", "3 given", "2 tiles"]),
         (["stream", "--rig", "wall.tile-1.json"], BAD_INPUT, ["wall.tile-1.json", "no rig manifest"]),
         (["stream", "--port", "a", "--on-loss", "rest"], USAGE, ["--on-loss", "--rig"]),
+        (["stream", "--rig", "wall.json", "--foci"], USAGE, ["--foci", "one board"]),
         (["stream", "--path", "p.json", "--rig", "2x2", "--array", "hoshi"], USAGE, ["--array", "a rig has arrays of its own"]),
         (["stream", "--port", "a", "--port", "b"], USAGE, ["--port", "given 2 times"]),
         (["stream"], USAGE, ["--port", "missing"]),

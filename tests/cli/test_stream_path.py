@@ -152,7 +152,8 @@ def test_any_waveform_on_a_board_that_modulates(tmp_path):
 def test_a_path_and_indices_exclude_each_other(tmp_path):
     (tmp_path / "lines").write_text("1\n")
     path_file(tmp_path, [([(0, 0, 100, 1.0)], 160)])
-    for command, needle in ((["lines", "--path", "path.json"], "exclude"), (["lines", "--loops", 2], "--path"),
+    for command, needle in ((["lines", "--path", "path.json"], "exclude"), (["--foci", "--path", "path.json"], "exclude"), (["--path", "path.json", "--points", 7], "--points"),
+                            (["lines", "--loops", 2], "--path"),
                             (["--path", "path.json", "--rate", 100], "exclude"), (["lines", "--array", "hoshi-18x18"], "--path")):  # fmt: skip
         result = run(["stream", *command, "--port", "none"], cwd=tmp_path)
         assert result.returncode == USAGE and needle in text(result.stderr), text(result.stderr)

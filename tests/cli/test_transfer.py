@@ -179,7 +179,7 @@ def test_a_line_that_spoils_bytes(tmp_path):
 def test_play_at_another_rate(tmp_path, image):
     with virtual_board(tmp_path, "--image", image, "--pulses", "pulses.csv") as board:
         played = json.loads(ask(tmp_path, "play", "--rate", 500, "--loops", 3, "--json").stdout)
-        assert played == {"sent": 12, "underruns": 0, "interrupted": False}
+        assert played == {"sent": 12, "underruns": 0, "refused_records": 0, "interrupted": False}
         ask(tmp_path, "play", "--sequence", "--loops", 1)  # the memory is as it was
         board.send_signal(2)
         board.communicate(timeout=30)

@@ -66,7 +66,7 @@ def test_play_ends_with_outputs_off(folder):
 def test_a_stream_is_played_in_order(folder):
     (folder / "lines").write_text("".join(f"{1 + i % 4}\n" for i in range(300)) + "5 7\r\n 6,8")
     with virtual_board(folder, "--image", "image.hex", "--pulses", "pulses.csv") as board:
-        assert json.loads(ask(folder, "stream", "lines", "--dwell", 2, "--json")) == {"sent": 302, "underruns": 0, "interrupted": False}
+        assert json.loads(ask(folder, "stream", "lines", "--dwell", 2, "--json")) == {"sent": 302, "underruns": 0, "refused_records": 0, "interrupted": False}
         assert status(folder)["outputs"] == "off"
         board.send_signal(signal.SIGINT)
         board.communicate(timeout=30)
@@ -84,7 +84,7 @@ def test_a_pipe_is_played_as_it_comes_and_silence_between_is_no_failure(folder):
             host.stdin.write(line)
             host.stdin.flush()
             time.sleep(STARTED)
-        assert json.loads(host.communicate(timeout=20)[0]) == {"sent": 2, "underruns": 0, "interrupted": False}
+        assert json.loads(host.communicate(timeout=20)[0]) == {"sent": 2, "underruns": 0, "refused_records": 0, "interrupted": False}
 
 
 def test_what_cannot_be_played_or_read(folder):

@@ -33,7 +33,7 @@ std::vector<SequenceEntry> at_rate(std::vector<SequenceEntry> sequence, double r
         if (dwell < 1.0 || dwell > 65535.0)
             throw bad_argument("rate",
                                fmt::format("at {} passes a second an entry of the sequence would last {} carrier "
-                                           "cycles, expected 1 to 65535; about {:.3g} a second is most here",
+                                           "cycles, expected 1 to 65535; about {:.6g} a second is most here",
                                            rate, dwell, carrier_hz / static_cast<double>(sequence.size())));
         entry.dwell = static_cast<std::uint16_t>(dwell);
         before = after;
@@ -72,15 +72,6 @@ std::optional<ModulationOn> modulated(Commands& device, const PlaySettings& sett
     for (const std::uint16_t index : indices) require_amplitudes(device, index);
     if (!indices.empty()) am.carrier_hz = record_carrier_hz(device, *indices.begin());
     return std::optional<ModulationOn>(std::in_place, device, modulation_of(am, device), settings.warn);
-}
-
-/// How many entries the sequence in its memory has. @throws Error{device} when there is none
-std::uint16_t sequence_length(Commands& device) {
-    const Bytes header = device.read(interface::sequence_base, interface::sequence_word_bits / 8);
-    const auto length = static_cast<std::uint16_t>(interface::sequence_header_field::length.get(header));
-    if (length == 0)
-        throw Error(ErrorCode::device, "board", "there is no sequence in the board's memory; upload an image first");
-    return length;
 }
 
 /// What is particular of playing what is in the memories.
@@ -124,6 +115,14 @@ Played play_memories(Commands& device, const PlaySettings& settings, const Watch
 }
 
 }  // namespace
+
+std::uint16_t sequence_length(Commands& device) {
+    const Bytes header = device.read(interface::sequence_base, interface::sequence_word_bits / 8);
+    const auto length = static_cast<std::uint16_t>(interface::sequence_header_field::length.get(header));
+    if (length == 0)
+        throw Error(ErrorCode::device, "board", "there is no sequence in the board's memory; upload an image first");
+    return length;
+}
 
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch) {
     const bool live = settings.rate > 0.0 || (!settings.am.waveform.empty() && device.identity().modulation_words == 0);

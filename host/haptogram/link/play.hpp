@@ -35,6 +35,9 @@ struct PlaySettings {
     Am am{};  ///< by which all amplitudes are multiplied meanwhile
 };
 
+/// How many entries the sequence in a device's memory has. @throws Error{device} when there is none
+[[nodiscard]] std::uint16_t sequence_length(Commands& device);
+
 /// What became of it: how much the device's counters went up, and the indices that went over the link.
 struct Played {
     std::uint64_t sent = 0;

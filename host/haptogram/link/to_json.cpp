@@ -107,7 +107,10 @@ ordered_json to_json(const RigPlayed& p) {
 }
 
 ordered_json streamed_to_json(const Played& p) {
-    return {{"sent", p.sent}, {"underruns", p.underruns}, {"interrupted", p.interrupted}};
+    return {{"sent", p.sent},
+            {"underruns", p.underruns},
+            {"refused_records", p.refused_records},
+            {"interrupted", p.interrupted}};
 }
 
 ordered_json to_json(const PlayedPatterns& p) {
