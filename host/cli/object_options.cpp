@@ -40,7 +40,7 @@ ObjectSource object_of(const ObjectArguments& object, const std::vector<std::str
     if (object.size_mm) source.size_m = *object.size_mm * millimetre;
     if (object.height_mm) source.height_m = *object.height_mm * millimetre;
     source.centre = parse_point_mm("center", object.center);
-    source.angles_deg = parse_point_mm("rotate", object.rotate) * (1.0 / millimetre);
+    source.angles_deg = parse_three("rotate", object.rotate, "degrees");
     source.unit = object.unit;
     require_effect(given, {{"--height", {"cone", "pyramid", "cylinder"}}, {"--unit", {"a mesh file"}}},
                    names_mesh(source) ? "a mesh file" : source.name, "the object");

@@ -49,14 +49,24 @@ Geometry geometry_of(const RobotOptions& options) {
     return options.edge_mm > 0.0 ? with_edge(geometry, options.edge_mm * 1e-3) : geometry;
 }
 
-/// Three numbers as the user wrote them, in their own unit.
-Vector3 three(const std::string& setting, const std::string& text) {
-    const Vec3 metres = parse_point_mm(setting, text);
-    return Vector3(metres.x, metres.y, metres.z) / millimetre;
+Vector3 three(const std::string& setting, const std::string& text, std::string_view unit) {
+    const Vec3 found = parse_three(setting, text, unit);
+    return {found.x, found.y, found.z};
+}
+
+/// What is to happen after the end never happens.
+void require_within(const char* setting, const std::string& text, double time_s, double duration_s) {
+    if (time_s >= duration_s)
+        throw bad_argument(
+            setting,
+            fmt::format("'{}' begins at {:g} s, and the simulation ends at {:g} s; give --duration a longer time", text,
+                        time_s, duration_s),
+            {"duration"});
 }
 
 robot::Pose pose_from(const RobotOptions& options) {
-    return {three("position", options.position) * 1e-3, rotation_xyz(three("angles", options.angles) * degree)};
+    return {three("position", options.position, "mm") * 1e-3,
+            rotation_xyz(three("angles", options.angles, "degrees") * degree)};
 }
 
 double rounded(double value, double digits = 1e6) { return std::round(value * digits) / digits + 0.0; }
@@ -153,7 +163,7 @@ int tension(const RobotOptions& options) {
         report.add("largest_n", json);
     } else {
         Wrench wrench;
-        wrench << three("force", options.force), three("torque", options.torque);
+        wrench << three("force", options.force, "N"), three("torque", options.torque, "N·m");
         const auto found = distribute(structure_of(geometry, pose), geometry.weight() + wrench, geometry.least_n,
                                       geometry.most_n, choice_of(options.choice));
         if (!found)
@@ -179,6 +189,9 @@ int reach(const RobotOptions& options) {
         return workspace(geometry, options.step_mm * 1e-3, turns_of(options.turns), options.angle_deg * degree,
                          progress.callback());
     }();
+    if (found.useful.empty())
+        throw bad_argument("step", fmt::format("no point of a grid of {:g} mm lies in the frame; take a smaller step",
+                                               options.step_mm));
     const double volume = found.volume_m3() * 1e9;
     const std::string turns = options.turns == "none"
                                   ? std::string("upright")
@@ -207,9 +220,15 @@ int simulate(const RobotOptions& options) {
     simulation.start = pose_from(options);
     simulation.duration_s = options.duration_s;
     simulation.plant.seed = options.seed;
-    for (const std::string& fault : options.faults) simulation.faults.push_back(parse_fault(fault));
+    for (const std::string& fault : options.faults) {
+        simulation.faults.push_back(parse_fault(fault));
+        require_within("fault", fault, simulation.faults.back().time_s, options.duration_s);
+    }
     std::vector<robot::Push> pushes;
-    for (const std::string& push : options.pushes) pushes.push_back(parse_push(push));
+    for (const std::string& push : options.pushes) {
+        pushes.push_back(parse_push(push));
+        require_within("push", push, pushes.back().from_s, options.duration_s);
+    }
     simulation.user = options.wander_mm > 0.0 ? wandering_user({}, options.wander_mm * 1e-3, options.seed)
                                               : pushing_user(std::move(pushes));
     if (!options.output.empty()) check_output_path(options.output);

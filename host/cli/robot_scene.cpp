@@ -155,7 +155,7 @@ int play(const SceneCommand& command, const std::string& title, MakeScene make_s
 
 int explore(ExploreCommand command) {
     command.object.centre = parse_point_mm("center", command.object_centre);
-    command.object.angles_deg = parse_point_mm("rotate", command.object_angles) * (1.0 / millimetre);
+    command.object.angles_deg = parse_three("rotate", command.object_angles, "degrees");
     if (command.size_mm) command.object.size_m = *command.size_mm * millimetre;
     if (command.height_mm) command.object.height_m = *command.height_mm * millimetre;
     command.scene.object = open_object(command.object);

@@ -71,7 +71,7 @@ int scatter(const ScatterCommand& command) {
     source.body.edge_m = in_metres(command.edge_mm);
     source.body.metres_per_unit = metres_per_unit(command.unit);
     if (!command.center.empty()) source.body.placement.center = parse_point_mm("center", command.center);
-    const Vec3 angles = parse_point_mm("rotate", command.rotate) * (1.0 / millimetre);
+    const Vec3 angles = parse_three("rotate", command.rotate, "degrees");
     source.body.placement.rotate_deg = {angles.x, angles.y, angles.z};
     ProgressLine progress("scatter");
     const Scattered found = haptogram::scatter(source, progress.callback());

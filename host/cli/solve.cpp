@@ -24,7 +24,7 @@ struct SolveCommand {
     std::string level = "reachable";
     bool amplitudes = false, follow = false, json = false;
     std::optional<unsigned> rounds;
-    double rate_hz = 10.0;
+    std::optional<double> rate_hz;
     std::string output;
 };
 
@@ -100,12 +100,16 @@ int solve(const SolveCommand& command) {
     if (command.output.ends_with(".hex"))
         outputs.push_back({"--output", manifest_path(command.output), command.output});
     if (!command.output.empty()) require_distinct(files_of(command.source), outputs);
+    if (command.rate_hz && !command.output.ends_with(".hex"))
+        throw bad_argument("rate", "is of an image; let --output name one, .hex");
+    if (command.rounds && command.solver == "superposition")
+        throw bad_argument("rounds", "superposition has none; choose another --solver");
     const Asked asked = asked_of(command);
     ProgressLine progress("solve");
     Solved solved = solve_steps(asked.sets, asked.array, asked.core, options_of(command), command.follow,
                                 progress.callback(), command.quantise.value_or(""));
     solved.rig = asked.rig;
-    if (!command.output.empty()) write_solved(command.output, solved, command.rate_hz);
+    if (!command.output.empty()) write_solved(command.output, solved, command.rate_hz.value_or(10.0));
     if (command.output == "-") return 0;
     if (command.json)
         fmt::print("{}", to_json_text(solved));
@@ -160,9 +164,8 @@ void add_solve(CLI::App& app, Action& action) {
                     "A .csv file of drives, a .json file of everything, a .png picture, or an image (.hex) with its "
                     "manifest, of a rig "
                     "the images of its boards; - is CSV on standard output");
-    sub->add_option("--rate", options->rate_hz, "Passes over all sets a second that an image plays, Hz")
-        ->check(positive())
-        ->capture_default_str();
+    sub->add_option("--rate", options->rate_hz, "Passes over all sets a second that an image plays, Hz (default: 10)")
+        ->check(positive());
     sub->callback([options, &action] { action = [options] { return solve(*options); }; });
 }
 

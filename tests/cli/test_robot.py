@@ -157,6 +157,8 @@ def test_a_scene_says_what_the_cables_could_not_render():
     (["workspace", "--angle", 90], USAGE, "--angle"), (["workspace", "--step", 0.01], USAGE, "--step.*coarser"), (["workspace", "-o", "w.gif"], USAGE, "gif"),
     (["simulate", "--push", "1:2"], USAGE, "FROM:TO"), (["simulate", "--fault", "burnt:1:1"], USAGE, "KIND:CABLE"),
     (["simulate", "--position", "0,0,170"], USAGE, "cannot rest|no tensions"), (["ik", "--robot", "none"], BAD_INPUT, "cube-390"), (["ik", "--edge", 0], USAGE, "positive"),
+    (["ik", "--angles", "1,2"], USAGE, "x,y,z in degrees"), (["workspace", "--step", 1000], USAGE, "--step.*smaller step"),
+    (["simulate", "--duration", 1, "--fault", "broken:1:5"], USAGE, "--fault.*5 s.*1 s"), (["simulate", "--duration", 1, "--push", "20:21:0,0,8"], USAGE, "--push.*20 s"),
 ])  # fmt: skip
 def test_what_is_refused(arguments, code, needle, tmp_path):
     assert_one_message(run(["robot", *arguments], cwd=tmp_path), code, needle)

@@ -156,6 +156,8 @@ def test_files(folder):
         (["empty.csv"], BAD_INPUT, "no focus"),
         (["sets.csv"], BAD_INPUT, "set 2: focus 2"),
         (["bad.csv", "--focus", "0,0,130"], USAGE, "excludes"),
+        (["--focus", "0,0,130", "--rate", 20], USAGE, "--rate.*image"),
+        (["--focus", "0,0,130", "--solver", "superposition", "--rounds", 5], USAGE, "--rounds.*superposition"),
     ],
 )
 def test_what_cannot_be_solved_is_told(folder, arguments, code, says):

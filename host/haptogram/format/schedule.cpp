@@ -19,12 +19,12 @@ std::vector<std::uint32_t> even_dwells(double carrier_hz, double rate_hz, std::s
             "rate",
             fmt::format(
                 "{} points at {} Hz leave {:.2f} carrier cycles a point, and a focus lasts at least "
-                "one; at most {:.4g} Hz can be reached with these points{}",
+                "one; at most {:.6g} Hz can be reached with these points{}",
                 count, rate_hz, each, fastest_hz,
                 total >= 1.0 ? fmt::format(", or {} points at this rate", static_cast<std::size_t>(total)) : ""));
     if (each > most_periods)
         throw impossible("rate", fmt::format("{} points at {} Hz leave {:.4g} carrier cycles a point, and a sequence "
-                                             "entry holds {}; at least {:.4g} Hz",
+                                             "entry holds {}; at least {:.6g} Hz",
                                              count, rate_hz, each, most_periods, fastest_hz / most_periods));
     std::vector<std::uint32_t> dwells;
     std::uint64_t given = 0;

@@ -48,11 +48,13 @@ PerCable cable_lengths(const Geometry& geometry, const Pose& pose) {
 }
 
 std::string out_of_length(const Geometry& geometry, const PerCable& lengths) {
+    std::string found;
     for (int i = 0; i < cable_count; ++i)
         if (!(lengths[i] >= geometry.shortest_m && lengths[i] <= geometry.longest_m))
-            return fmt::format("cable {} would be {:.1f} mm long; {:g}…{:g} mm are possible", i + 1, lengths[i] * 1e3,
-                               geometry.shortest_m * 1e3, geometry.longest_m * 1e3);
-    return {};
+            found += fmt::format("{}cable {} would be {:.1f} mm", found.empty() ? "" : ", ", i + 1, lengths[i] * 1e3);
+    if (!found.empty())
+        found += fmt::format(" long; {:g}…{:g} mm are possible", geometry.shortest_m * 1e3, geometry.longest_m * 1e3);
+    return found;
 }
 
 std::string Nearness::words() const {

@@ -204,8 +204,8 @@ Timeline open_timeline(const Source& source, const Progress& progress) {
     return timeline_of(manifest, source.file);
 }
 
-Vec3 parse_point_mm(const std::string& setting, const std::string& text) {
-    constexpr double farthest_mm = 1e6;
+Vec3 parse_three(const std::string& setting, const std::string& text, std::string_view unit) {
+    constexpr double most = 1e6;  // a kilometre of millimetres
     Vec3 point{};
     const char* at = text.data();
     const char* const end = at + text.size();
@@ -213,15 +213,18 @@ Vec3 parse_point_mm(const std::string& setting, const std::string& text) {
         double value = 0.0;
         const auto [next, error] = std::from_chars(at, end, value);
         const bool last = axis == &point.z;
-        if (error == std::errc() && std::abs(value) > farthest_mm)
-            throw bad_argument(setting,
-                               fmt::format("found {} mm, expected at most {} mm, a kilometre", value, farthest_mm));
+        if (error == std::errc() && std::abs(value) > most)
+            throw bad_argument(setting, fmt::format("found {} {}, expected at most {}", value, unit, most));
         if (error != std::errc() || !std::isfinite(value) || (last ? next != end : next == end || *next != ','))
-            throw bad_argument(setting, fmt::format("expected x,y,z in mm, found '{}'", text));
-        *axis = value * millimetre;
+            throw bad_argument(setting, fmt::format("expected x,y,z in {}, found '{}'", unit, text));
+        *axis = value;
         at = next + 1;
     }
     return point;
+}
+
+Vec3 parse_point_mm(const std::string& setting, const std::string& text) {
+    return parse_three(setting, text, "mm") * millimetre;
 }
 
 }  // namespace haptogram

@@ -54,4 +54,7 @@ struct Source {
 /// Reads "x,y,z" in millimetres. @param setting  names it in messages
 [[nodiscard]] Vec3 parse_point_mm(const std::string& setting, const std::string& text);
 
+/// The same of three numbers in another unit, as they are.
+[[nodiscard]] Vec3 parse_three(const std::string& setting, const std::string& text, std::string_view unit);
+
 }  // namespace haptogram
