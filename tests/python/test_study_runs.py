@@ -448,6 +448,9 @@ where = { set = 2 }
     assert made["second"].numbers["trials"] == 8 * 4
     assert made["second"].numbers["successes"] == sum(r["answers"]["answer"]["correct"] for _, r in given if r["set"] == 2)
     assert set(made["wilcoxon"].p) == {"set 1, set 2", "set 1, set 3", "set 2, set 3"} and list(made["rm-anova"].numbers["mean"]) == ["set 1", "set 2", "set 3"]
+    (place / "stairs.toml").write_text(STAIRS.replace('kind = "yes-no"', 'kind = "yes-no"\nlimit_s = 2'))
+    with pytest.raises(HaptogramError, match="without limit_s"):
+        protocol.read(place / "stairs.toml")
     (place / "stairs.toml").write_text(STAIRS.replace('by = "shape"', 'by = "set"', 2))
     stairs = protocol.read(place / "stairs.toml")
     thresholds, functions = analysis.study(stairs, simulate(stairs, 6)).found
@@ -640,6 +643,12 @@ def test_stimuli_on_a_board(place):
     made = records(place / "out.jsonl")
     assert all(r["stimulus"]["played"] and r["versions"]["haptogram"] for r in made)
     assert {(r["stimulus"]["image"]) for r in made} == {path.name for path in (place / "made").glob("*.hex")}
+    # A stimulus that is another one now is not taken from the folder.
+    (place / "out.jsonl").unlink()
+    for image in (place / "made").glob("*.hex"):
+        image.write_text("of yesterday", encoding="utf-8")
+    assert_says(run(session("--observer", "simulated:protocol", "--program", boards.PROGRAM, "--images", "made"), place), OK, "another image than it did before")
+    assert [r["stimulus"]["image_sha256"] for r in records(place / "out.jsonl")] == [r["stimulus"]["image_sha256"] for r in made]
     (place / "out.jsonl").unlink()
     assert_says(run(session("--observer", "simulated:protocol", "--port", "nowhere", "--program", boards.PROGRAM), place), 4, "nowhere")
     assert_says(run(session("--observer", "simulated:protocol", "--images", "x", "--program", "absent-program"), place), BAD_INPUT, "absent-program")

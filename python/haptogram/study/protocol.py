@@ -483,6 +483,8 @@ def _staircase(table: Table, questions: tuple[Question, ...]) -> Rule:
     question = table.text("question", among=asked)
     if [q.name for q in questions if q.when == "trial"] != [question]:
         table.fail("question", question, "the only question of a trial")
+    if any(q.limit_s for q in questions if q.name == question):
+        table.fail("question", question, "a question without limit_s, because a staircase needs every answer")
     lowest, highest = table.number("lowest_db", high=0.0), table.number("highest_db", high=0.0)
     if not lowest < highest:
         table.fail("highest_db", highest, f"a number > {lowest:g}")

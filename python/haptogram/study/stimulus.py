@@ -159,10 +159,13 @@ class Compiler(Presenter):
             words += ["--path", str(path), "--points", str(len(rows))]
         if "array" in description:
             words += ["--array", str(description["array"])]
-        if not image.exists():
-            done = subprocess.run([self.program, "compile", *words, "-o", str(image)], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
-            if done.returncode:
-                raise bad_input(f"{self.protocol.path}: stimulus", f"'haptogram compile {' '.join(words)}' failed: {done.stderr.strip() or done.stdout.strip()}")
+        before = image.read_bytes() if image.exists() else None  # files that a stimulus names may have been others then
+        done = subprocess.run([self.program, "compile", *words, "-o", str(image)], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        if done.returncode:
+            raise bad_input(f"{self.protocol.path}: stimulus", f"'haptogram compile {' '.join(words)}' failed: {done.stderr.strip() or done.stdout.strip()}")
+        if before not in (None, image.read_bytes()):
+            print(f"haptogram-study: {image}: 'haptogram compile {' '.join(words)}' makes another image than it did before; image_sha256 tells which was played",
+                  file=sys.stderr, flush=True)
         return {"image_sha256": hashlib.sha256(image.read_bytes()).hexdigest(), "image": image.name}
 
 
