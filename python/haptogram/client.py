@@ -6,13 +6,14 @@ import struct
 import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
 from . import rates
 from .board import Identity, Status
 from .chain import ChainedLine, split
-from .errors import HaptogramError, Interrupted, bad_input, device_error
+from .errors import HaptogramError, Interrupted, Refused, bad_input, device_error
 from .foci import FOCUS_BYTES, Focus
 from .frame import Reply, Request
 from .image import HIGHEST_INDEX, Image, Piece
@@ -152,10 +153,11 @@ class Client:
     def select(self, index: int, dwell: int = 0) -> None:
         self._ask(Command.SELECT, index, dwell)
 
-    def _gate(self, period: int | None, at_end: bool = False, on_trigger: bool = False) -> None:
-        """What the next command waits for: a carrier period, the end of what plays, the trigger, or nothing."""
+    def _gated(self, command: Command, *words: int, period: int | None, at_end: bool = False, on_trigger: bool = False) -> Reply:
+        """A command that waits for a carrier period, the end of what plays, the trigger, or nothing."""
+        request = Request(command, _pack(command, words))
         if period is None and not at_end and not on_trigger:
-            return
+            return self._session.exchange([request])[0]
         if (period is not None) + at_end + on_trigger > 1:
             raise bad_input("period", "expected one of a period, the end of what plays, and the trigger")
         if not self.identity.features >> Feature.SCHEDULE & 1:
@@ -165,13 +167,17 @@ class Client:
         if period is not None and not 0 < period < GATE_AT_TRIGGER:
             raise bad_input("period", f"{period}, expected 1 to {GATE_AT_TRIGGER - 1}")
         gate = period if period is not None else GATE_AT_TRIGGER if on_trigger else GATE_AT_END
-        self._ask(Command.GATE, gate & 0xFFFF, gate >> 16 & 0xFFFF, gate >> 32)
+        gate_request = Request(Command.GATE, _pack(Command.GATE, (gate & 0xFFFF, gate >> 16 & 0xFFFF, gate >> 32)))
+        try:
+            return self._session.exchange([gate_request, request])[1]
+        except Refused:
+            self._ask(Command.GATE, 0, 0, 0)  # or the next command would wait in the place of this one
+            raise
 
     def push(self, indices: Sequence[int], dwell: int, period: int | None = None) -> int:
         """Appends indices to the live FIFO, all or none; returns how many entries it holds now. They are not played before the
         carrier period of this number; status() tells the present one."""
-        self._gate(period)
-        return self._ask(Command.PUSH, dwell, *indices).live_level
+        return self._gated(Command.PUSH, dwell, *indices, period=period).live_level
 
     def push_foci(self, foci: Sequence[Focus], dwell: int) -> int:
         """Appends foci to the live FIFO, each a record of its own, all or none; returns how many entries it holds now. make_ring()
@@ -206,16 +212,14 @@ class Client:
               on_trigger: bool = False) -> None:  # fmt: skip
         """With length 0 as the sequence's header says. It begins at once, not before the carrier period of this number, at the
         end of what plays, or when the trigger input says so (set_trigger); whatever turns outputs off ends that wait."""
-        self._gate(period, at_end, on_trigger)
-        self._ask(Command.START, first, length, loops)
+        self._gated(Command.START, first, length, loops, period=period, at_end=at_end, on_trigger=on_trigger)
 
     def modulate(self, divider: int, length: int = 0, loop: bool = True, first: int = 0, period: int | None = None, at_end: bool = False) -> None:
         """Multiplies all amplitudes by samples of the modulation memory from the first on, which is even, each for `divider` carrier
         periods; 0 ends that. It begins as start() does."""
         if first % 2 or not 0 <= first <= 65534:
             raise bad_input("first", f"sample {first}, expected an even number up to 65534")
-        self._gate(period, at_end)
-        self._ask(Command.MODULATE, divider, length, first | int(loop))
+        self._gated(Command.MODULATE, divider, length, first | int(loop), period=period, at_end=at_end)
 
     def set_trigger(self, settings: TriggerSettings) -> None:
         """The trigger pins and the test output; they stay so over a reset."""
@@ -258,6 +262,10 @@ class Client:
         self._session.tell(requests)
 
     def write(self, address: int, data: bytes) -> None:
+        """At most one record."""
+        most = 2 * (self.identity.channels + RECORD_HEADER_WORDS)
+        if len(data) > most:
+            raise bad_input("write", f"{len(data)} bytes, expected at most {most}, as a record of this board has")
         self._session.exchange([_write(Piece(address, data))])
 
     def read(self, address: int, size: int) -> bytes:
@@ -368,7 +376,8 @@ class Client:
         if not 0 < records <= identity.records:
             raise device_error("board", f"its sequence plays record {records} of {identity.records}; upload an image first")
         primary = self._read_long(PRIMARY_BASE, records * size, size)
-        return Image(identity.channels, identity.clock_hz, identity.timing_bits, identity.pulse_bits, primary, bytes(sequence))
+        image = Image(identity.channels, identity.clock_hz, identity.timing_bits, identity.pulse_bits, primary, bytes(sequence))
+        return replace(image, min_pulse_clocks=identity.min_pulse_clocks) if image.has_amplitudes else image
 
     def _read_long(self, base: int, total: int, size: int) -> bytes:
         requests = [_read(base + at, min(size, total - at)) for at in range(0, total, size)]

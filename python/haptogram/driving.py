@@ -38,7 +38,7 @@ def _is_over(status: Status) -> bool:
     return status.present_index == 0 and status.live_level == 0 and status.mode in ("idle", "live")
 
 
-def _watch(board: Client) -> Status:
+def _watch(board: Client, before: Status) -> Status:
     """The board's status; when it says that all is over, it is asked for a second time. For between the clock in which a record of
     amplitudes is taken and its first pulse passes up to one carrier period, which is less than a status takes on the line.
     Raises HaptogramError when the board has turned its outputs off by itself."""
@@ -46,7 +46,14 @@ def _watch(board: Client) -> Status:
     if _is_over(now):
         now = board.status()
     if not now.enabled:
-        raise device_error("board", "it has turned its outputs off: its watchdog or guard tripped")
+        why = "its watchdog or guard tripped"
+        if now.watchdog_trips != before.watchdog_trips:
+            why = f"its watchdog heard nothing from this host for {now.watchdog_ms} ms"
+        elif now.guard_trips != before.guard_trips:
+            why = "its guard found a pin high for too long; nothing that was sent may do that: reset the board"
+        elif now.stopped:
+            why = "its stop input is active"
+        raise device_error("board", f"it has turned its outputs off: {why}")
     return now
 
 
@@ -79,7 +86,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
         end = time.monotonic() + seconds
         while not stopped() and not (seconds and time.monotonic() >= end):
             board.rest()
-            now = _watch(board)
+            now = _watch(board, before)
             if _is_over(now):
                 break
         interrupted = stopped()
@@ -94,35 +101,35 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
     before = now = board.status()
     sent, interrupted = 0, True
     with contextlib.suppress(Interrupted), board.outputs(watchdog_ms, stopped):
-        for run in _runs(board, batches, stopped):
+        for run in _runs(board, before, batches, stopped):
             sent += run
         # Silence for good comes last: running out of indices would count as an underrun.
         silent = False
-        now = _watch(board)
+        now = _watch(board, before)
         while not stopped() and not (silent and _is_over(now)):
             if not silent and now.live_level < board.identity.live_depth:
                 board.push([0], 0)
                 silent = True
             board.rest()
-            now = _watch(board)
+            now = _watch(board, before)
         interrupted = stopped()
     return sent, _outcome(before, now, interrupted)
 
 
-def _runs(board: Client, batches: Iterable[Sequence[Entry]], stopped: Callable[[], bool]) -> Iterator[int]:
+def _runs(board: Client, before: Status, batches: Iterable[Sequence[Entry]], stopped: Callable[[], bool]) -> Iterator[int]:
     """Pushes entries of one dwell together; says of each push how many they were."""
     depth = board.identity.live_depth
     most = min(depth, board.identity.channels)  # a frame holds at most as many indices as a record has words
     level = 0
     for batch in batches:
         if not batch:
-            level = _watch(board).live_level
+            level = _watch(board, before).live_level
         at = 0
         while at < len(batch) and not stopped():
             room = min(most, depth - level)
             if room < min(most, depth // 2):
                 time.sleep(FULL_PAUSE_S)
-                level = _watch(board).live_level
+                level = _watch(board, before).live_level
                 continue
             dwell, group = next(groupby(batch[at : at + room], key=itemgetter(1)))
             run = [index for index, _ in group]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Protocol
 
-from .errors import HaptogramError, Interrupted, device_error
+from .errors import HaptogramError, Interrupted, Refused, device_error
 from .frame import Reply, ReplyDecoder, Request, encode_request
 from .interface import (
     LINK_ASKING_BYTES,
@@ -72,9 +72,10 @@ class _Pending:
 class Session:
     """Once `stopped` says true, every exchange raises Interrupted and nothing more is sent; urge() does not ask it."""
 
-    def __init__(self, line: Line, patience: float = PATIENCE_S, stopped: Callable[[], bool] = never,
-                 clock: Callable[[], float] = time.monotonic) -> None:  # fmt: skip
-        self.patience = self._least_patience = patience  # seconds to wait for an answer before sending again
+    def __init__(self, line: Line, stopped: Callable[[], bool] = never, clock: Callable[[], float] = time.monotonic) -> None:
+        self.patience = self._least_patience = getattr(line, "patience", PATIENCE_S)  # seconds to wait for an answer before sending again
+        self._window: int = getattr(line, "window", LINK_WINDOW)
+        self._rounds = round(PATIENCE_S / self.patience)  # that make a try
         self.retransmissions = 0
         self.keep_alive: float | None = None  # seconds within which something new must be said, while outputs are on
         self._most_asking = 1  # requests under way whose replies carry data: the board keeps room for so many
@@ -135,8 +136,8 @@ class Session:
         first, in_step = self._next + self._farthest, not self._in_doubt
         self._forget()
         left = {(first + place) % 256: command for place, command in enumerate(commands)}
-        for tries in range(URGENT_TRIES):
-            if tries == TRIES_BEFORE_BREAK:
+        for tries in range(URGENT_TRIES * self._rounds):
+            if tries == TRIES_BEFORE_BREAK * self._rounds:
                 self._line.send_break(BREAK_BITS)
             self._line.urge(b"\0" + b"".join(encode_request(number, Request(command)) for number, command in left.items()))
             end = self._clock() + self.patience
@@ -169,7 +170,7 @@ class Session:
 
     def _transmit(self) -> None:
         asking = 0
-        for place, one in enumerate(islice(self._queue, LINK_WINDOW)):
+        for place, one in enumerate(islice(self._queue, self._window)):
             if one.reply:
                 continue
             asking += one.request.answer != 0
@@ -208,7 +209,7 @@ class Session:
         if self._sent and not self._queue[0].reply:
             self._line.write(b"\0" + encode_request(self._next, self._queue[0].request))
             self.retransmissions += 1
-        if self._farthest < LINK_WINDOW:
+        if self._farthest < self._window:
             self._queue.insert(self._farthest, _Pending(Request(Command.KEEP_ALIVE)))
         self._said = self._clock()
 
@@ -255,7 +256,7 @@ class Session:
             if reply.status not in APPLIED:
                 self._forget()  # it was not applied, so its number is still to be used, and those behind it were not either
                 self._in_doubt = False
-                raise device_error(f"{self._line.path}, command {one.request.command.name.lower()}", f"the board refused it: {reply.why()}")
+                raise Refused(f"{self._line.path}, command {one.request.command.name.lower()}", f"the board refused it: {reply.why()}")
             self._next = (self._next + 1) % 256
             self._sent, self._farthest = max(self._sent - 1, 0), self._farthest - 1
             if not self._late:
@@ -284,7 +285,7 @@ class Session:
     def _send_again(self) -> None:
         name = self._queue[0].request.command.name.lower()
         self._tries += 1
-        most = LINK_FIRST_TRIES if self._queue[0].request.command == Command.IDENTIFY else LINK_TRIES
+        most = self._rounds * (LINK_FIRST_TRIES if self._queue[0].request.command == Command.IDENTIFY else LINK_TRIES)
         if self._tries > most:
             heard = f", but {self._heard} bytes of something else" if self._heard else ""
             raise device_error(self._line.path, f"no answer to {name} after {most} tries{heard}; "

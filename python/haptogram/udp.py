@@ -4,7 +4,7 @@ import select
 import socket
 
 from .errors import ErrorCode, HaptogramError, device_error
-from .interface import NETWORK_DATAGRAM_BYTES, NETWORK_PORT, Command
+from .interface import NETWORK_DATAGRAM_BYTES, NETWORK_PATIENCE_MS, NETWORK_PORT, NETWORK_WINDOW, Command
 
 SCHEME = "udp:"
 
@@ -24,6 +24,8 @@ def _target(port: str) -> tuple[str, int]:
 
 class UdpLine:
     """A Line. What is written gathers to whole frames in a datagram until something is read."""
+
+    patience, window = NETWORK_PATIENCE_MS / 1000, NETWORK_WINDOW  # of a Session on it
 
     def __init__(self, port: str) -> None:
         self.path = port

@@ -191,6 +191,24 @@ with Client.open(sys.argv[1]) as board:
         assert done.returncode == 0, done.stderr
 
 
+def test_what_a_network_loses_is_soon_asked_for_again(tmp_path):
+    """After the network's patience, 10 ms, and not after that of a serial line, 300."""
+    script = """
+import sys, time
+from haptogram.client import Client
+with Client.open(sys.argv[1]) as board:
+    began, before = time.monotonic(), board.retransmissions
+    for _ in range(400):
+        board.status()
+    print(time.monotonic() - began, board.retransmissions - before)
+"""
+    with net_board(tmp_path, "--loss", "0.05") as board:
+        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "python")}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    seconds, again = map(float, done.stdout.split())
+    assert again > 10 and seconds < 0.15 * again, (seconds, again)
+
+
 def test_patterns_are_streamed_to_it_live(tmp_path):
     script = """
 import json, sys

@@ -43,6 +43,8 @@ def test_what_is_refused(board):
         with pytest.raises(HaptogramError, match=why) as error:
             refused()
         assert error.value.code == ErrorCode.DEVICE
+    with pytest.raises(HaptogramError, match="210 bytes, expected at most 208"):
+        board.write(PRIMARY_BASE, bytes(RECORD_BYTES + 2))
     for impossible in (lambda: board.select(-1), lambda: board.set_watchdog(65536), lambda: board.push([70000], 1)):
         with pytest.raises(HaptogramError, match="does not fit into 16 bits"):
             impossible()

@@ -167,6 +167,12 @@ def test_changes_wait_for_a_period_or_the_end(wide):
         client.push([257], 1, period=period + 10**9 + 1)
     client.stop()
     assert not client.status().waiting
+    # What was refused, or never sent, leaves nothing that the next command would wait in place of.
+    for wrong in (lambda: client.push([70000], 1, period=period + 10**9), lambda: client.start(9999, 3, period=period + 10**9)):
+        with pytest.raises(HaptogramError):
+            wrong()
+        client.modulate(1)
+        assert not client.status().waiting
     client.push([257], 0, period=1)
     assert client.status().late_changes == 1 and client.status().mode == "live"
     client.modulate(2, 8, first=4, at_end=True)
