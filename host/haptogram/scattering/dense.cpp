@@ -16,6 +16,7 @@ void cgemm_(const char* a_form, const char* b_form, const int* rows, const int* 
 void cgetrf_(const int* rows, const int* columns, std::complex<float>* a, const int* stride, int* pivots, int* info);
 void cgetrs_(const char* form, const int* rows, const int* sides, const std::complex<float>* a, const int* stride,
              const int* pivots, std::complex<float>* b, const int* b_stride, int* info);
+int openblas_get_num_threads(void);
 void openblas_set_num_threads(int threads);
 }
 
@@ -24,10 +25,21 @@ namespace {
 
 int whole(std::size_t value) { return static_cast<int>(value); }
 
+/// The same bytes, whatever the number of processors. The number of threads is the whole process's, so it is put back:
+/// numpy may have the same OpenBLAS.
+struct OneThread {
+    OneThread() { openblas_set_num_threads(1); }
+    ~OneThread() { openblas_set_num_threads(before); }
+    OneThread(const OneThread&) = delete;
+    OneThread& operator=(const OneThread&) = delete;
+
+    int before = openblas_get_num_threads();
+};
+
 }  // namespace
 
 void multiply(const DenseMatrix& matrix, const DenseMatrix& factor, DenseMatrix& product) {
-    openblas_set_num_threads(1);  // the same bytes, whatever the number of processors
+    const OneThread one_thread;
     const int rows = whole(matrix.rows), columns = whole(factor.columns), inner = whole(matrix.columns);
     const int a = whole(matrix.stride), b = whole(factor.stride), c = whole(product.stride);
     const std::complex<float> one(1.0F), zero(0.0F);
@@ -36,7 +48,7 @@ void multiply(const DenseMatrix& matrix, const DenseMatrix& factor, DenseMatrix&
 }
 
 Factors::Factors(DenseMatrix matrix) : factors_(std::move(matrix)), pivots_(factors_.rows) {
-    openblas_set_num_threads(1);
+    const OneThread one_thread;
     const int rows = whole(factors_.rows), stride = whole(factors_.stride);
     int info = 0;
     cgetrf_(&rows, &rows, factors_.values.data(), &stride, pivots_.data(), &info);
@@ -44,7 +56,7 @@ Factors::Factors(DenseMatrix matrix) : factors_(std::move(matrix)), pivots_(fact
 }
 
 void Factors::solve(DenseMatrix& sides) const {
-    openblas_set_num_threads(1);
+    const OneThread one_thread;
     const int rows = whole(factors_.rows), stride = whole(factors_.stride);
     const int columns = whole(sides.columns), side_stride = whole(sides.stride);
     int info = 0;
