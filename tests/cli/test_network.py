@@ -209,6 +209,8 @@ with Client.open(sys.argv[1]) as board:
     assert again > 10 and seconds < 0.15 * again, (seconds, again)
 
 
+# In real time it is this machine that decides how many patterns are late. In a board's own time none may be: tests/reference/test_live_patterns.cpp
+# has this host's loop, tests/modules/test_net_stream.cpp the pins. Here some must have come in time.
 def test_patterns_are_streamed_to_it_live(tmp_path):
     script = """
 import json, sys
@@ -238,7 +240,7 @@ print(json.dumps({"refused": refused, "sent": sent[0], "streaming": any(seen), "
     assert told["streaming"]
     assert told["repeated"] == told["refused_records"] == 0
     assert told["early"] < told["sent"] / 4
-    assert told["late"] - told["before"] < 0.9 * told["sent"]  # on a machine that does much else
+    assert told["late"] - told["before"] < 0.9 * told["sent"]
 
 
 def test_a_file_of_patterns_is_streamed(tmp_path):
@@ -247,7 +249,7 @@ def test_a_file_of_patterns_is_streamed(tmp_path):
     with net_board(tmp_path) as board:
         said = json.loads(succeed(["stream", "--live", "--json", "--port", board.port, "patterns.bin"], cwd=tmp_path).stdout)
         assert said["sent"] == 4000 and said["repeated"] == 0 and not said["interrupted"]
-        assert said["late"] < 0.9 * said["sent"]  # on a machine that does much else
+        assert said["late"] < 0.9 * said["sent"]
         assert json.loads(succeed(["device", "status", "--json", "--port", board.port]).stdout)["outputs"] == "off"
         (tmp_path / "cut.bin").write_bytes(patterns[:450])
         assert_one_message(run(["stream", "--live", "--port", board.port, "cut.bin"], cwd=tmp_path), BAD_INPUT, "cut.bin", "pattern 3 has 50 bytes, expected 200")
