@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from .board import Status
 from .client import Client
-from .errors import Interrupted, device_error
+from .errors import Interrupted, bad_input, device_error
 from .port import never
 
 Entry = tuple[int, int]  # index; dwell in cycles, 0 until the next
@@ -67,11 +67,14 @@ def _outcome(before: Status, now: Status, interrupted: bool) -> Outcome:
 def _nothing() -> None: ...
 
 
-def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500,
+def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500, on_trigger: bool = False,
          stopped: Callable[[], bool] = never, started: Callable[[], None] = _nothing) -> Outcome:  # fmt: skip
     """Plays one record, or with index 0 the sequence, `loops` times (0 for ever; None as its header says), until its end,
     for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off.
-    Calls `started` when the board has said that it plays."""
+    With `on_trigger` the sequence waits, with outputs on and silent, until the trigger input says so. Calls `started` when the
+    board has said that it plays; the seconds begin then."""
+    if on_trigger and index:
+        raise bad_input("on_trigger", "one record cannot wait for a trigger; the sequence can")
     length = 0 if index else board.sequence_length()
     before = now = board.status()
     interrupted = True
@@ -79,15 +82,20 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
         if index:
             board.select(index)
         elif loops is None:
-            board.start()
+            board.start(on_trigger=on_trigger)
         else:
-            board.start(1, length, loops)
-        started()
+            board.start(1, length, loops, on_trigger=on_trigger)
+        waits = on_trigger
+        if not waits:
+            started()
         end = time.monotonic() + seconds
-        while not stopped() and not (seconds and time.monotonic() >= end):
+        while not stopped() and (waits or not (seconds and time.monotonic() >= end)):
             board.rest()
             now = _watch(board, before)
-            if _is_over(now):
+            if waits and not now.waiting:
+                waits, end = False, time.monotonic() + seconds
+                started()
+            if not waits and _is_over(now):
                 break
         interrupted = stopped()
     return _outcome(before, now, interrupted)

@@ -83,7 +83,8 @@ class ClockFit:
 
 
 def fit_clocks(samples: Sequence[ClockSample]) -> ClockFit:
-    """As host/haptogram/link/clock_fit.hpp."""
+    """Raises HaptogramError when there are fewer than two different clocks, an answer is before its question, or the board's clock
+    goes back while this computer's goes on."""
     if any(sample.answered_s < sample.asked_s for sample in samples):
         raise bad_input("clock samples", "an answer is before its question; expected a clock that never goes back, such as time.monotonic()")
     if len({sample.clock for sample in samples}) < 2:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The runner as an experimenter meets it: sessions that are killed and go on, files of results, analyses, power."""
+import datetime
 import itertools
 import json
 import math
@@ -683,8 +684,7 @@ def markers_of(place, monkeypatch, *options):
 
 
 def test_markers_have_the_time_of_the_board_that_tells_it(place, monkeypatch):
-    few = SMALL.replace('compile = ["--rate", "10"]', 'compile = ["--rate", "500", "--points", "4", "--shape", "circle", "--board", "ulx3s-85f"]').replace("sets = 2", "sets = 1")
-    (place / "small.toml").write_text("\n".join(line for line in few.splitlines() if not line.startswith("path =")))
+    few_on_a_board_with_pins(place)
     shown = ("--port", "port", "--program", boards.PROGRAM)
     for event, by in (("start", "board"), ("pass", "host")):
         (place / "out.jsonl").unlink(missing_ok=True)
@@ -693,9 +693,48 @@ def test_markers_have_the_time_of_the_board_that_tells_it(place, monkeypatch):
             markers = markers_of(place, monkeypatch, *shown)
             after = json.loads(boards.haptogram(place, "device", "trigger", "--port", "port", "--json"))
         starts = [(at_s, marker) for at_s, marker in markers if marker["kind"] == "start"]
+        began = [record["began"] for record in records(place / "out.jsonl")]
+        assert [b["by"] for b in began] == 4 * [by]
+        assert all(("error_s" in b, "clock" in b, "error_s" in marker) == 3 * (by == "board",) for b, (_, marker) in zip(began, starts, strict=True))
         assert all(marker["by"] == by and marker["played"] for _, marker in starts)
         if by == "board":
             assert after["out_count"] - before["out_count"] == len(starts), "the board had one start for each"
+
+
+def few_on_a_board_with_pins(place):
+    few = SMALL.replace('compile = ["--rate", "10"]', 'compile = ["--rate", "500", "--points", "4", "--shape", "circle", "--board", "ulx3s-85f"]').replace("sets = 2", "sets = 1")
+    (place / "small.toml").write_text("\n".join(line for line in few.splitlines() if not line.startswith("path =")))
+
+
+def test_stimuli_wait_for_the_trigger_input_and_have_the_boards_time(place):
+    """Nothing drives the pin of a virtual board: it is low, which is active or not as it is set."""
+    few_on_a_board_with_pins(place)
+    command = session("--observer", "simulated:protocol", "--port", "port", "--program", boards.PROGRAM, "--on-trigger")
+    with virtual_board(place, "--board", "ulx3s-85f", "--model", "reference"):
+        haptogram(place, "device", "trigger", "--in", "high", "--out", "start", "--port", "port")
+        waits = subprocess.Popen(command, cwd=place, env=boards.ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        time.sleep(4.0)
+        assert waits.poll() is None
+        waits.send_signal(signal.SIGTERM)
+        assert "stopped after 0 more answers" in waits.communicate(timeout=20)[1]
+        assert "outputs          off" in boards.ask(place, "device", "status") and not (place / "out.jsonl").read_text()
+        haptogram(place, "device", "trigger", "--in", "low", "--level", "--port", "port")
+        begun_s = time.time()
+        assert_says(run(command, place), OK, "complete, 4 new answers")
+        after = json.loads(haptogram(place, "device", "trigger", "--port", "port", "--json"))
+    began = [record["began"] for record in records(place / "out.jsonl")]
+    times = [datetime.datetime.fromisoformat(b["at"]).timestamp() for b in began]
+    assert begun_s < times[0] and times == sorted(times) and times[-1] < time.time()
+    assert after["out_count"] == 4 and began[-1]["clock"] == after["out_clock"] and all(0 < b["error_s"] < 0.1 for b in began)
+    clocks = [b["clock"] for b in began]
+    told_s = [(c - clocks[0]) / 50e6 for c in clocks]
+    # A virtual board's clock is this computer's to some milliseconds.
+    off = [(round(at - times[0] - s, 5), b["error_s"]) for at, s, b in zip(times, told_s, began, strict=True)]
+    assert all(abs(away) <= error + began[0]["error_s"] + 0.01 for away, error in off), off
+    (place / "out.jsonl").unlink()
+    assert_says(run(session("--observer", "simulated:protocol", "--on-trigger"), place), BAD_INPUT, "--on-trigger", "no --port")
+    with virtual_board(place):
+        assert_says(run(command, place), DEVICE, "no trigger pins")
 
 
 def test_a_session_that_plays_nothing_marks_it(place, monkeypatch):

@@ -63,6 +63,8 @@ def check_command(options: argparse.Namespace) -> int:
 
 
 def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
+    if options.on_trigger and (protocol.stimulus.live or not options.ports):
+        raise bad_input("--on-trigger", f"a board begins an image when its trigger input says so; {protocol.name} has live stimuli, or no --port was given")
     if protocol.stimulus.live and options.ports:
         return Live(protocol, program(options.program), options.ports, options.baud, options.sources)
     if options.sources:
@@ -70,7 +72,7 @@ def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
     if len(options.ports) > 1:
         raise bad_input("--port", f"is given {len(options.ports)} times; the stimuli of {protocol.name} are for one board")
     if options.ports:
-        return Board(protocol, Path(options.images or "study-images"), program(options.program), options.ports[0], options.baud)
+        return Board(protocol, Path(options.images or "study-images"), program(options.program), options.ports[0], options.baud, options.on_trigger)
     if options.images:
         return Compiler(protocol, Path(options.images), program(options.program))
     return Presenter(protocol)
@@ -226,6 +228,7 @@ def parser() -> Parser:
     run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
     run.add_argument("--from", action="append", default=[], dest="sources", metavar="SOURCE", help="of live stimuli, with --port: what sees the hand, as haptogram live has it; may be given again")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")
+    run.add_argument("--on-trigger", action="store_true", help="each stimulus begins when the board's trigger input says so (haptogram device trigger); until then the outputs are on, and silent")
     run.add_argument("--lsl", action="store_true", help="mark starts, answers and stops on a stream of the Lab Streaming Layer (pip install 'haptogram[lsl]')")
     run.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")
     analyse = add("analyse", analyse_command, "the statistics that a protocol asks for, of results")

@@ -102,14 +102,16 @@ class Session:
             self.presenter.stop()
             self._mark({"trial": cell.number, "step": step}, stimulus, answered_s)
         self.asked += 1
-        record = self._write("trial", cell.number, step, expected | {"stimulus": stimulus, "answers": answers})
+        began = {"began": self.presenter.began()} if stimulus["played"] else {}
+        record = self._write("trial", cell.number, step, expected | {"stimulus": stimulus} | began | {"answers": answers})
         self._rest(time.monotonic() - begun)
         return record
 
     def _mark(self, trial: dict[str, int], stimulus: dict[str, object], answered_s: dict[str, float]) -> None:
         """In the order of their times, which a board tells after its stimulus only."""
         found = self.presenter
-        self.mark("start", found.began_s, **trial, by=found.began_by, played=stimulus["played"], sha256=stimulus["sha256"])
+        error = {} if found.began_error_s is None else {"error_s": found.began_error_s}
+        self.mark("start", found.began_s, **trial, by=found.began_by, **error, played=stimulus["played"], sha256=stimulus["sha256"])
         for name, at_s in answered_s.items():
             self.mark("answer", at_s, **trial, question=name)
         self.mark("stop", found.ended_s, **trial)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a trial presents: its description and hash, its image by `haptogram compile`, and playing it on a board while a person answers."""
 import ctypes
+import datetime
 import hashlib
 import math
 import os
@@ -114,6 +115,16 @@ class Presenter:
         self._hashes: dict[tuple[str, ...], dict[str, object]] = {}
         self.began_s = self.ended_s = 0.0  # of the last stimulus, by time.monotonic()
         self.began_by = "host"
+        self.began_clock: int | None = None  # of the board, when it tells
+        self.began_error_s: float | None = None  # of began_s, from the board's clock
+
+    def began(self) -> dict[str, object]:
+        """When the last stimulus began, as the results have it."""
+        at = datetime.datetime.fromtimestamp(time.time() + self.began_s - time.monotonic(), datetime.UTC)
+        found: dict[str, object] = {"at": at.isoformat(timespec="microseconds"), "by": self.began_by}
+        if self.began_error_s is not None:
+            found |= {"error_s": round(self.began_error_s, 7), "clock": self.began_clock}
+        return found
 
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
         """What the results say of the stimulus: `sha256` of its description, and `played`."""
@@ -170,12 +181,14 @@ class Compiler(Presenter):
 
 
 class Board(Compiler):
-    """Plays the images on a board: from start() to stop(), or to the image's end. When the board's trigger output tells each start, a
+    """Plays the images on a board: from start(), or the trigger input after it, to stop(), or to the image's end. When the board's trigger output tells each start, a
     stimulus began when the board says so, and otherwise when this computer knew that it plays."""
 
-    def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int | None) -> None:
+    def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int | None, on_trigger: bool = False) -> None:
         super().__init__(protocol, folder, program)
-        self._client = Client.open(port, baud)
+        self._client, self._on_trigger = Client.open(port, baud), on_trigger
+        if on_trigger:
+            self._client.trigger()  # says so of a board that has no trigger input
         self._thread: threading.Thread | None = None
         self._asked, self._begun = threading.Event(), threading.Event()
         self._failed: BaseException | None = None
@@ -205,7 +218,7 @@ class Board(Compiler):
 
     def _play(self) -> None:
         try:
-            play(self._client, stopped=self._asked.is_set, started=self._begin)
+            play(self._client, on_trigger=self._on_trigger, stopped=self._asked.is_set, started=self._begin)
         except BaseException as error:
             self._failed = error
         finally:
@@ -228,7 +241,8 @@ class Board(Compiler):
         super().stop()
         if self._clocks is not None:
             self._sample_clock()
-            self.began_s = fit_clocks(list(self._clocks)).host_s(self._client.trigger().out)
+            fit, self.began_clock = fit_clocks(list(self._clocks)), self._client.trigger().out
+            self.began_s, self.began_error_s = fit.host_s(self.began_clock), fit.error_s
 
     def close(self) -> None:
         try:
