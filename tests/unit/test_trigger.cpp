@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks of entries from a path file to a board's memory, and a board's clock as time of the host.
+// Marks of entries from a path file to a board's memory.
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 #include <vector>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/image.hpp"
-#include "haptogram/link/clock_fit.hpp"
 #include "haptogram/shape/path_file.hpp"
 
 using namespace haptogram;
@@ -49,37 +46,4 @@ TEST_CASE("marks: a path file says them by step, and anything but true and false
     std::string wrong = text;
     wrong.replace(wrong.find("true"), 4, "1");
     REQUIRE_THROWS_WITH(path_from_json(wrong, "path.json", 40'000.0), Catch::Contains("true or false"));
-}
-
-TEST_CASE("clocks: a crystal that is off, and a line of random delays, are fitted within the stated error") {
-    std::mt19937 g(Catch::rngSeed());
-    for (int round = 0; round < 50; ++round) {
-        const auto uniform = [&g](double low, double high) {
-            return std::uniform_real_distribution<double>(low, high)(g);
-        };
-        const double hz = 50e6 * (1 + uniform(-1e-4, 1e-4)), begun_s = uniform(0, 1e5);
-        const std::uint64_t first = g() * std::uint64_t{1000};
-        const auto clock_at = [&](double s) { return first + static_cast<std::uint64_t>(hz * (s - begun_s)); };
-        std::vector<link::ClockSample> samples;
-        for (int i = 0; i < 200; ++i) {
-            const double asked = begun_s + 0.05 * i, out = uniform(50e-6, i % 9 == 0 ? 20e-3 : 400e-6),
-                         back = uniform(50e-6, 400e-6);
-            samples.push_back({asked, asked + out + back, clock_at(asked + out)});
-        }
-        const link::ClockFit fit = link::fit_clocks(samples);
-        for (double s : {0.0, 3.0, 7.5, 10.0}) {
-            INFO("error " << fit.error_s << " spread " << fit.spread_s);
-            REQUIRE(std::abs(fit.host_s(clock_at(begun_s + s)) - begun_s - s) < fit.error_s);
-        }
-        REQUIRE(fit.error_s < 400e-6);
-        REQUIRE(std::abs(fit.s_per_clock * hz - 1) < 2e-5);
-    }
-}
-
-TEST_CASE("clocks: what cannot be one is refused") {
-    using Samples = std::vector<link::ClockSample>;
-    REQUIRE_THROWS_WITH(link::fit_clocks(Samples{}), Catch::Contains("expected at least two"));
-    REQUIRE_THROWS_WITH(link::fit_clocks(Samples{{0, 1, 5}, {2, 3, 5}}), Catch::Contains("no two different clocks"));
-    REQUIRE_THROWS_WITH(link::fit_clocks(Samples{{1, 0, 5}, {2, 3, 9}}), Catch::Contains("before its question"));
-    REQUIRE_THROWS_WITH(link::fit_clocks(Samples{{0, 1, 50}, {2, 3, 9}}), Catch::Contains("goes back"));
 }
