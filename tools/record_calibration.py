@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a microphone would record of a calibration's code, played by an array whose elements differ as bought ones do.
 
-record_calibration.py CODE.hex --at X,Y,Z -o TAKE.wav [--seed N] [--echo DB] [--noise DB] [--clock PPM] [--clip SHARE] [--truth FAULTS.json]
+record_calibration.py CODE.hex --at X,Y,Z -o TAKE.wav [--seed N] [--echo DB] [--noise DB] [--clock PPM] [--microphone MM] [--clip SHARE] [--truth FAULTS.json]
 
 For tests, and to rehearse. The array is tile-10x10. Of one seed it is always the same one, wherever the microphone is. The image is read
 and the sound computed without the program, from the pulses' phases: ring-up of each transducer, its piston's directivity, one wall,
@@ -94,22 +94,24 @@ class Bought:
         return cls(response, channel, speed, *(list(map(int, some)) for some in (dead, turned, sorted(pairs.ravel()))))
 
 
-def transfer(place, speed, elements=ELEMENTS):
-    """What each element makes at a place, at the carrier, as if it were its kind, and how long its sound takes."""
+def transfer(place, speed, elements=ELEMENTS, microphone_m=0.0):
+    """What a microphone at a place, a piston of this radius that faces the array, hears of each element, at the carrier, as if it were its
+    kind, and how long its sound takes."""
     ray = np.asarray(place) - elements
     range_m = np.linalg.norm(ray, axis=1)
     ka_sin = 2 * np.pi * CARRIER_HZ / speed * RADIUS_M * np.hypot(ray[:, 0], ray[:, 1]) / range_m + 1e-9
-    return 2 * j1(ka_sin) / ka_sin / range_m * np.exp(-2j * np.pi * CARRIER_HZ / speed * range_m), range_m / speed
+    heard = ka_sin / RADIUS_M * microphone_m + 1e-9
+    return 2 * j1(ka_sin) / ka_sin * 2 * j1(heard) / heard / range_m * np.exp(-2j * np.pi * CARRIER_HZ / speed * range_m), range_m / speed
 
 
-def record(code, bought, place, rng, echo_db=-20.0, noise_db=-20.0, clock_ppm=100.0, lead_s=None, passes=2.0):
+def record(code, bought, place, rng, echo_db=-20.0, noise_db=-20.0, clock_ppm=100.0, lead_s=None, passes=2.0, microphone_m=0.0):
     """@param noise_db  of one pattern's sound in a bandwidth of 1 / 8 ms, which is what is told apart from it"""
     phases, periods = code
     played = bought.drives(phases)
-    waves, flights = transfer(place, bought.speed)
+    waves, flights = transfer(place, bought.speed, microphone_m=microphone_m)
     paths = [(1.0, waves, flights)]
     if echo_db is not None:  # a wall at x = 0.6 m, as a second microphone behind it
-        mirrored, later = transfer((1.2 - place[0], place[1], place[2]), bought.speed)
+        mirrored, later = transfer((1.2 - place[0], place[1], place[2]), bought.speed, microphone_m=microphone_m)
         strength = 10 ** (echo_db / 20) * np.sqrt((abs(waves) ** 2).sum() / (abs(mirrored) ** 2).sum())
         paths.append((strength, mirrored, later))
     seconds = float(periods.sum()) / CARRIER_HZ
@@ -152,13 +154,15 @@ def main():
     parser.add_argument("--echo", type=float, default=-20.0, help="dB")
     parser.add_argument("--noise", type=float, default=-20.0, help="dB")
     parser.add_argument("--clock", type=float, default=100.0, help="ppm")
+    parser.add_argument("--microphone", type=float, default=0.0, help="its radius, mm; 0 hears all directions alike")
     parser.add_argument("--clip", type=float, default=1.0, help="share of the largest value at which the recorder clips")
     parser.add_argument("--truth", help="JSON of the array's faults")
     options = parser.parse_args()
     bought = Bought.random(options.seed, exchanged=options.exchanged)
     place = np.array([float(part) for part in options.at.split(",")]) * 1e-3
     rng = np.random.default_rng([options.seed, *(int(1e6 + 1e6 * part) for part in place)])
-    sound = record(read_code(options.code), bought, place + rng.uniform(-2e-3, 2e-3, 3), rng, options.echo, options.noise, options.clock)
+    sound = record(read_code(options.code), bought, place + rng.uniform(-2e-3, 2e-3, 3), rng, options.echo, options.noise, options.clock,
+                   microphone_m=options.microphone * 1e-3)  # fmt: skip
     wavfile.write(options.output, RATE_HZ, (np.clip(sound, -options.clip, options.clip) * 0.9 * 2**31).astype(np.int32))
     if options.truth:
         with open(options.truth, "w", encoding="utf-8") as file:

@@ -12,6 +12,7 @@
 #include "haptogram/perception/skin_force.hpp"
 #include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
+#include "level_options.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "source_options.hpp"
@@ -26,7 +27,7 @@ struct AnalyzeOptions {
     std::string plane = "xz@y=0";
     double extent_mm = 150.0, step_mm = 2.0;
     double least_mn = least_felt_n * 1e3;
-    std::optional<double> measured_mn;
+    LevelOptions level;
     std::string output;
     bool json = false;
 };
@@ -148,13 +149,14 @@ const std::vector<OptionOf> options_of_kinds = {
     {"--output", {"map"}},     {"--least-force", {"analysis"}}, {"--json", {"analysis"}},
     {"--board", {"analysis"}}, {"--manifest", {"analysis"}},    {"--quantise", {"analysis"}}};
 
-/// What a measured force says of the array's source strength.
+/// What was measured says of the array's source strength.
 int calibrate(const AnalyzeOptions& options) {
     const Source source = source_of(options.what, "analyze");
     if (!source.focus || !source.rig.empty())
-        throw bad_argument("measured-mn", "is of a focus of one array: give --array and --focus");
+        throw bad_argument(options.level.measured_mn ? "measured-mn" : "measured-mv",
+                           "is of a focus of one array: give --array and --focus");
     fmt::print("[transducer]\n{}", calibrated_keys(find_array(source.array.value_or("tile-10x10")), *source.focus,
-                                                   *options.measured_mn * 1e-3));
+                                                   options.level.reading()));
     return 0;
 }
 
@@ -189,21 +191,16 @@ void add_analyze(CLI::App& app, Action& action) {
     sub->add_option("--step", options->step_mm, "Step of the map, mm")->check(positive())->capture_default_str();
     sub->add_option("-o,--output", options->output,
                     "The map as .csv, .npy, .vti or .png; default CSV on standard output");
-    sub->add_option(
-           "--measured-mn", options->measured_mn,
-           fmt::format("Instead: print the level for the array's file from a force, mN, that was measured on a flat "
-                       "disc of {:g} mm at --focus, at full steady drive",
-                       contact_mm))
-        ->check(positive());
+    add_level_options(*sub, options->level, "Instead: print the level for the array's file, ");
     sub->add_flag("--json", options->json, "Print the analysis as JSON");
     sub->callback([options, sub, &action] {
         action = [options, given = given_to(*sub)] {
             const Source& source = options->what.source;
             const bool map =
                 source.array && source.file.empty() && options->what.focus.empty() && source.pulses.empty();
-            const char* const wanted = options->measured_mn ? "level" : map ? "map" : "analysis";
+            const char* const wanted = options->level.given() ? "level" : map ? "map" : "analysis";
             require_effect(given, options_of_kinds, wanted, "what is wanted");
-            if (options->measured_mn) return calibrate(*options);
+            if (options->level.given()) return calibrate(*options);
             return map ? analyze_array(*options) : analyze_source(*options);
         };
     });

@@ -5,21 +5,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <charconv>
 #include <cmath>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <thread>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/picture.hpp"
+#include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/link/device.hpp"
+#include "haptogram/link/play.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
+#include "interrupt.hpp"
+#include "level_options.hpp"
+#include "port.hpp"
 #include "recording.hpp"
 #include "report.hpp"
 
@@ -30,8 +41,10 @@ struct CalibrateCommand {
     std::optional<std::string> array, board;
     std::vector<std::string> recordings, places;
     double place_error_mm = 2.0;
-    std::optional<double> temperature_c, measured_mn;
+    std::optional<double> temperature_c;
     std::optional<std::string> microphone, focus, steps;
+    std::optional<std::string> part;
+    LevelOptions level;
     std::string output, picture, drive = "full";
     bool json = false;
 };
@@ -43,12 +56,108 @@ ProjectInstrument instrument_of(const CalibrateCommand& command) {
     return haptogram::instrument_of(project);
 }
 
+CodePart part_of(const std::string& text) {
+    CodePart part;
+    const char* const end = text.data() + text.size();
+    const auto number = std::from_chars(text.data(), end, part.number);
+    const bool divided = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
+    const auto of = std::from_chars(divided ? number.ptr + 1 : end, end, part.of);
+    if (!divided || of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of)
+        throw bad_argument("part", fmt::format("expected a part and how many there are, such as 1/3, found '{}'", text),
+                           {});
+    return part;
+}
+
 int write_code(const CalibrateCommand& command) {
     const ProjectInstrument instrument = instrument_of(command);
-    const Image image = command.steps
-                            ? steps_image(instrument.array, instrument.core, parse_point_mm("steps", *command.steps))
-                            : calibration_image(instrument.array, instrument.core);
+    const CodePart part = command.part ? part_of(*command.part) : CodePart{};
+    const Image image =
+        command.steps ? steps_image(instrument.array, instrument.core, parse_point_mm("steps", *command.steps), part)
+                      : calibration_image(instrument.array, instrument.core, part);
     write_file(command.output, to_intel_hex(image));
+    return 0;
+}
+
+struct RecordCommand {
+    std::optional<std::string> array, board;
+    link::PortSettings port;
+    std::string output, card = "default";
+    unsigned rate_hz = 192000;
+};
+
+/// A recording's name, or that of one of its parts.
+std::string part_name(const std::string& output, CodePart part) {
+    if (part.of == 1) return output;
+    const std::filesystem::path path(output);
+    return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), part.number, path.extension().string()))
+        .string();
+}
+
+/// Plays the image, and lets ALSA's program record meanwhile.
+void record_part(const RecordCommand& command, link::Device& device, const Image& image, const std::string& file) {
+    double seconds = 0.5;  // two passes, and for the outputs to come on
+    for (const SequenceEntry& entry : image.sequence) {
+        const Record& record = image.records[entry.index - 1U];
+        seconds += 2.0 * entry.dwell * record.cycle_length * record.prescaler / image.clock_hz;
+    }
+    StagedFile staged(file);
+    const std::string target = staged.beside().empty() ? file : staged.beside().string();
+    ProcessResult recorded;
+    std::exception_ptr failed;
+    std::atomic<bool> ended = false;
+    std::thread recorder;
+    const auto record = [&] {
+        try {
+            recorded = run_process(std::filesystem::current_path(),
+                                   {"arecord", "--quiet", "--device=" + command.card, "--format=S32_LE",
+                                    fmt::format("--rate={}", command.rate_hz), "--channels=1", "--file-type=wav",
+                                    fmt::format("--duration={}", static_cast<unsigned>(std::ceil(seconds))), target});
+        } catch (...) {
+            failed = std::current_exception();
+        }
+        ended = true;
+    };
+    link::PlaySettings settings;
+    settings.loops = 0;
+    settings.warn = complain;
+    try {
+        link::play(device, settings, [&](const link::Playing&) {
+            if (!recorder.joinable()) recorder = std::thread(record);
+            return !ended && !interrupted();
+        });
+    } catch (...) {
+        if (recorder.joinable()) recorder.join();
+        throw;
+    }
+    if (recorder.joinable()) recorder.join();
+    if (interrupted()) throw Error(ErrorCode::cancelled, file, "nothing was recorded, because a signal asked to end");
+    if (failed) std::rethrow_exception(failed);
+    if (!recorded.succeeded)
+        throw Error(ErrorCode::failed, "arecord",
+                    fmt::format("it recorded nothing: {}; arecord --list-devices has names for --card", recorded.said));
+    staged.commit();
+}
+
+int record(const RecordCommand& command) {
+    catch_interrupts();
+    Project project;
+    project.array = command.array;
+    project.board = command.board;
+    const ProjectInstrument instrument = haptogram::instrument_of(project);
+    const std::size_t parts = parts_of_code(instrument.array, instrument.core);
+    std::vector<std::string> files;
+    for (std::size_t number = 1; number <= parts; ++number) {
+        const CodePart part{number, parts};
+        files.push_back(part_name(command.output, part));
+        const Image image = calibration_image(instrument.array, instrument.core, part);
+        link::UploadSettings settings;
+        settings.image = "the code";
+        settings.port = command.port.port;
+        link::upload([&] { return std::make_unique<link::Device>(command.port); }, image, settings);
+        link::Device device(command.port);
+        record_part(command, device, image, files.back());
+    }
+    fmt::print("haptogram calibrate fit {} --at X,Y,Z\n", fmt::join(files, ","));
     return 0;
 }
 
@@ -138,28 +247,71 @@ void draw(const std::string& path, const Array& array, const Calibrated& found) 
     picture.draw(path, ".toml and --json");
 }
 
-/// What a stage read at its places; its zero is at `zero`.
-void hear_scan(const Scan& scan, const std::string& file, const Array& array, Vec3 zero, std::vector<HeardAt>& heard) {
-    for (const StageReadings& place : scan.places) {
-        ElementSounds sounds;
-        if (scan.amplitudes) {
-            std::vector<double> readings;
-            for (const auto& reading : place.readings) readings.push_back(reading.real());
-            sounds = from_steps(array, readings, zero, file);
-        } else {
-            sounds = from_patterns(place.readings, array.elements.size(), file);
+/// What one file says of one place, or of each of a stage's.
+struct HeardPart {
+    Vec3 off;
+    std::vector<double> amplitudes;  ///< of the records of steps_image(); or
+    ElementSounds sounds;            ///< of a part's elements
+};
+
+std::vector<HeardPart> heard_in(const std::string& file, const Array& array, CodePart part) {
+    const std::size_t elements = elements_of_part(array, part).size();
+    std::vector<HeardPart> found;
+    if (const auto scan = read_scan(file)) {
+        for (const StageReadings& place : scan->places) {
+            HeardPart& one = found.emplace_back();
+            one.off = place.off;
+            if (scan->amplitudes)
+                for (const auto& reading : place.readings) one.amplitudes.push_back(reading.real());
+            else
+                one.sounds = from_patterns(place.readings, elements, file, part.number);
         }
-        heard.push_back({std::move(sounds), zero + place.off});
+    } else if (auto readings = read_steps(file)) {
+        found.push_back({{}, std::move(*readings), {}});
+    } else {
+        found.push_back({{}, {}, decode(read_recording(file), elements, array.carrier_hz, part.number)});
     }
+    return found;
 }
 
-void hear(const std::string& file, const Array& array, Vec3 place, std::vector<HeardAt>& heard) {
-    if (const auto scan = read_scan(file))
-        hear_scan(*scan, file, array, place, heard);
-    else if (const auto readings = read_steps(file))
-        heard.push_back({from_steps(array, *readings, place, file), place});
-    else
-        heard.push_back({decode(read_recording(file), array.elements.size(), array.carrier_hz), place});
+/// The files of a code's parts, which a comma joins.
+std::vector<std::string> parts_of(const std::string& recording) {
+    if (std::filesystem::exists(recording)) return {recording};
+    std::vector<std::string> files;
+    for (std::size_t begin = 0; begin <= recording.size();) {
+        const std::size_t end = std::min(recording.find(',', begin), recording.size());
+        files.push_back(recording.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return files;
+}
+
+/// What the files of one --at say; a stage's zero is there.
+void hear(const std::string& recording, const Array& array, Vec3 at, std::vector<HeardAt>& heard) {
+    const std::vector<std::string> files = parts_of(recording);
+    std::vector<std::vector<HeardPart>> parts;
+    for (std::size_t p = 0; p < files.size(); ++p) {
+        parts.push_back(heard_in(files[p], array, {p + 1, files.size()}));
+        const auto alike = [](const HeardPart& a, const HeardPart& b) {
+            return a.off == b.off && a.amplitudes.empty() == b.amplitudes.empty();
+        };
+        if (!std::ranges::equal(parts.back(), parts.front(), alike))
+            throw bad_input(files[p],
+                            fmt::format("it is read at other places or by another meter than {}; the parts of "
+                                        "a code belong to one microphone at one place, or to one scan",
+                                        files.front()));
+    }
+    for (std::size_t place = 0; place < parts.front().size(); ++place) {
+        std::vector<double> amplitudes;
+        std::vector<ElementSounds> sounds;
+        for (const std::vector<HeardPart>& part : parts) {
+            amplitudes.insert(amplitudes.end(), part[place].amplitudes.begin(), part[place].amplitudes.end());
+            sounds.push_back(part[place].sounds);
+        }
+        heard.push_back(
+            {amplitudes.empty() ? join_parts(array, sounds, recording) : from_steps(array, amplitudes, at, recording),
+             at + parts.front()[place].off});
+    }
 }
 
 int calibrate(const CalibrateCommand& command) {
@@ -168,11 +320,16 @@ int calibrate(const CalibrateCommand& command) {
                            fmt::format("{} places for {} recordings; give one for each, in their order",
                                        command.places.size(), command.recordings.size()),
                            {});
+    if (command.focus && !command.level.given())
+        throw bad_argument("focus",
+                           "says where a level was measured; give --measured-mn, or --measured-mv and "
+                           "--sensitivity");
     std::vector<NamedPath> outputs;
     if (!command.output.empty()) outputs.push_back({"--output", command.output});
     if (!command.picture.empty()) outputs.push_back({"--picture", command.picture});
     std::vector<NamedPath> inputs;
-    for (const std::string& file : command.recordings) inputs.push_back({"the recording", file});
+    for (const std::string& recording : command.recordings)
+        for (const std::string& file : parts_of(recording)) inputs.push_back({"the recording", file});
     require_distinct(inputs, outputs);
     const Array array = array_of(command);
     CalibrateOptions options;
@@ -213,10 +370,10 @@ int calibrate(const CalibrateCommand& command) {
     found.calibration.temperature_c = command.temperature_c;
     found.calibration.drive =
         std::ranges::find(drive_names, command.drive, [](const auto& d) { return std::string(d.second); })->first;
-    if (command.measured_mn) {
+    if (command.level.given()) {
         const Array real = calibrated(array, found.calibration, array.file);
         const MeasuredLevel level =
-            measured_level(real, parse_point_mm("focus", command.focus.value_or("")), *command.measured_mn * 1e-3);
+            measured_level(real, parse_point_mm("focus", command.focus.value_or("")), command.level.reading());
         found.calibration.source_pa_m = level.source_pa_m;
         found.calibration.measured = level.measured;
         if (const auto fault = supply_fault(array.transducer, level)) found.faults.push_back(*fault);
@@ -227,7 +384,8 @@ int calibrate(const CalibrateCommand& command) {
     return 0;
 }
 
-void add_instrument(CLI::App& sub, CalibrateCommand& command) {
+template <class Command>
+void add_instrument(CLI::App& sub, Command& command) {
     sub.add_option("--array", command.array, "Array file or shipped array (default: the board's, or tile-10x10)");
     sub.add_option("--board", command.board,
                    "Board file, shipped board or configuration (default: what the array's file says)");
@@ -253,15 +411,29 @@ void add_calibrate(CLI::App& app, Action& action) {
         "--steps", code->steps,
         "For a meter of amplitudes instead, with the microphone at x,y,z (mm): four records an element, for "
         "play --index");
+    sub->add_option("--part", code->part, "For a board that holds too few records: the part N of OF, such as 1/3");
     sub->add_option("-o,--output", code->output, "The image, Intel HEX; - is standard output")->required();
     sub->callback([code, &action] { action = [code] { return write_code(*code); }; });
+
+    auto take = std::make_shared<RecordCommand>();
+    sub = calibrate_app->add_subcommand(
+        "record", "Uploads the code, plays it, and lets arecord record it; on a board of few records, part by part");
+    add_instrument(*sub, *take);
+    add_port_options(*sub, take->port);
+    sub->add_option("--card", take->card, "The sound card, as arecord --list-devices names it, such as hw:1")
+        ->capture_default_str();
+    sub->add_option("--rate", take->rate_hz, "Samples a second")->check(whole(96000, 1000000))->capture_default_str();
+    sub->add_option("-o,--output", take->output, "The recording, .wav; of parts -1, -2 … before the ending")
+        ->required();
+    sub->callback([take, &action] { action = [take] { return record(*take); }; });
 
     auto fit = std::make_shared<CalibrateCommand>();
     sub = calibrate_app->add_subcommand("fit", "The calibration, from recordings of the code");
     sub->add_option("recordings", fit->recordings,
                     "Sound files of one channel, 96 kHz or more (.wav, .flac), an oscilloscope's .csv of time and "
                     "voltage, a .csv index,reading of the records of code --steps, or a scanning stage's .csv "
-                    "x_mm,y_mm,z_mm,index,re,im of the code's records, or ,reading of those of code --steps")
+                    "x_mm,y_mm,z_mm,index,re,im of the code's records, or ,reading of those of code --steps; those of "
+                    "a code's parts joined by commas")
         ->required();
     sub->add_option("--at", fit->places,
                     "Where the microphone was, or a stage's zero, x,y,z in mm; once for each recording")
@@ -277,13 +449,8 @@ void add_calibrate(CLI::App& app, Action& action) {
     sub->add_option("--microphone", fit->microphone,
                     "A transducer whose directivity it has, facing the array: shipped, or a file (default: it hears "
                     "all directions alike)");
-    auto* focus = sub->add_option("--focus", fit->focus, "Where --measured-mn was measured, x,y,z in mm");
-    auto* measured =
-        sub->add_option("--measured-mn", fit->measured_mn,
-                        "A balance's reading at --focus, on a flat disc of 20 mm, at full steady drive with "
-                        "this calibration, mN: it makes the level calibrated");
-    measured->check(positive())->needs(focus);
-    focus->needs(measured);
+    sub->add_option("--focus", fit->focus, "Where the level was measured, x,y,z in mm");
+    add_level_options(*sub, fit->level, "The level, with this calibration, ");
     sub->add_option("--drive", fit->drive,
                     "On boards that compute foci: all elements alike, weighed by their gains, or equalised to the "
                     "weakest that is alive")

@@ -3,6 +3,7 @@
 numpy model. HAPTOGRAM_ARRAYS arrays are drawn, and HAPTOGRAM_CASES of each fault."""
 import dataclasses
 import json
+import math
 import os
 import signal
 import sys
@@ -14,7 +15,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.io import wavfile
-from support import BAD_INPUT, ROOT, USAGE, ask, refuse, run, succeed, text, virtual_board
+from scipy.stats import binom
+from support import BAD_INPUT, ROOT, RUN_FAILED, USAGE, ask, refuse, run, status, succeed, text, virtual_board
 
 sys.path.insert(0, str(ROOT / "tools"))
 sys.path.insert(0, str(ROOT / "python"))
@@ -188,6 +190,23 @@ def test_a_stage_with_a_meter_of_amplitudes(tmp_path):
     assert kept(tmp_path, "./tile.toml", bought) >= 0.98
 
 
+def test_a_microphone_with_its_own_directivity(code, tmp_path):
+    """A piston as a transducer; who names it finds gains that are the elements' own, and who does not has its directivity in them."""
+    bought, off = model.Bought.random(SEED), {}
+    places = [(50, 0, 110), (60, 40, 120), (60, -40, 120)]  # all on one side
+    options = takes(tmp_path, code, bought, places, SEED, microphone_m=4.5e-3, echo_db=-40)
+    alive = abs(bought.response) > 0
+    own = abs(bought.response[alive]) / abs(bought.response[alive]).mean()
+    for more in ([], ["--microphone", "MA40S4S"]):
+        found = calibrate(tmp_path, [*options, *more])
+        assert elements(found, "dead") == bought.dead and elements(found, "reversed") == bought.reversed
+        gains = np.array([e.get("gain", 0.0) for e in tomllib.loads((tmp_path / "tile.toml").read_text())["element"]])[alive]
+        off[len(more)] = np.sqrt(((gains / own - 1) ** 2).mean())
+        assert kept(tmp_path, "./tile.toml", bought) >= 0.99
+    print(f"gains off by {off[0]:.3f}, and {off[2]:.3f} with the microphone named")
+    assert off[2] < 0.07 and off[2] < 0.7 * off[0]
+
+
 def phases_at_the_pins(folder, image):
     """Each record's phases, as complex numbers, from the middles of the pulses at the simulated core's pins; 0 where a pin is low."""
     with virtual_board(folder, "--image", image, "--pulses", "pins.csv") as board:
@@ -304,32 +323,51 @@ def faulty(kind, rng):
     return bought, {"echo_db": -6.0}, {"echo": []}
 
 
-def tell_wrong(kind, cases, wrong):
-    print(f"{kind}: {cases - len(wrong)} of {cases} named, and no other")
-    assert len(wrong) <= 0.05 * cases, wrong
+def most_missed(cases):
+    """How many faults may go unnamed where 95 % must be named: 5 % of 200 and more; of fewer, so many that a program which names 95 %
+    passes in 99 of 100 runs."""
+    return 0.05 * cases if cases >= 200 else binom.ppf(0.99, cases, 0.05)
+
+
+def invented_of(named, truth):
+    """Causes that are not there, and elements that have not the cause they are named for."""
+    return {cause: found for cause, which in named.items() if (found := [e for e in which if e not in truth.get(cause, [])]) or cause not in truth}
+
+
+def tell_wrong(kind, cases, missed, invented):
+    print(f"{kind}: {cases - len(missed)} of {cases} named, {len(invented)} invented")
+    assert not invented and len(missed) <= most_missed(cases), (invented, missed)
 
 
 @pytest.mark.parametrize("kind", ["none", "dead", "weak", "floating", "reversed", "connectors", "mirrored", "echo"])
 def test_a_fault_is_named_and_no_other(code, tmp_path, kind):
     """The first case is heard in sound files, which takes seconds, the others by a lock-in."""
     phases, _ = model.read_code(code)
-    wrong = []
+    missed, invented = [], []
     for seed in range(SEED, SEED + CASES):
         bought, room, truth = faulty(kind, np.random.default_rng(seed))
         options = takes(tmp_path, code, bought, PLACES, seed, **room) if seed == SEED else lock_ins(tmp_path, phases, bought, PLACES, seed, **room)
         named = {fault["cause"]: fault["elements"] for fault in calibrate(tmp_path, options)["faults"]}
-        if named != truth:
-            wrong.append((seed, named, truth))
-    tell_wrong(kind, CASES, wrong)
+        if found := invented_of(named, truth):
+            invented.append((seed, found, truth))
+        elif named != truth:
+            missed.append((seed, named, truth))
+    tell_wrong(kind, CASES, missed, invented)
 
 
-SHIPPED = ("tile-10x10", "tile-7x8", "hoshi-6x6")
+SHIPPED = ("tile-10x10", "tile-7x8", "hoshi-6x6", "driver-tile")
+
+
+def shipped_file(name):
+    return tomllib.loads((ROOT / f"host/arrays/{name}.toml").read_text())["array"]
 
 
 def elements_of(name):
-    """Of a shipped grid, by its file."""
-    grid = tomllib.loads((ROOT / f"host/arrays/{name}.toml").read_text())["array"]
-    x, y = ((np.arange(grid[count]) - (grid[count] - 1) / 2) * grid["pitch_mm"] * 1e-3 for count in ("columns", "rows"))
+    """Of a shipped array, by its file."""
+    array = shipped_file(name)
+    if "elements_mm" in array:
+        return np.array([(x, y, 0.0) for x, y in array["elements_mm"]]) * 1e-3
+    x, y = ((np.arange(array[count]) - (array[count] - 1) / 2) * array["pitch_mm"] * 1e-3 for count in ("columns", "rows"))
     return np.array([(a, b, 0.0) for b in y for a in x])
 
 
@@ -340,7 +378,7 @@ def bought_of(count, rng):
 
 def test_a_wrong_array_file_is_named(tmp_path):
     """The array is a shipped one; its file another shipped one, or one of as many elements at another pitch. The right file has no such fault."""
-    codes, wrong = {}, []
+    codes, missed, invented = {}, [], []
     for name in SHIPPED:
         succeed(["calibrate", "code", "--array", name, "-o", f"{name}.hex"], cwd=tmp_path)
         records = Image.load(str(tmp_path / f"{name}.hex")).records
@@ -348,7 +386,7 @@ def test_a_wrong_array_file_is_named(tmp_path):
     for seed in range(SEED, SEED + CASES):
         rng = np.random.default_rng(seed)
         name = SHIPPED[int(rng.integers(len(SHIPPED)))]
-        there, right = elements_of(name), tomllib.loads((ROOT / f"host/arrays/{name}.toml").read_text())["array"]
+        there, right = elements_of(name), shipped_file("tile-10x10" if name == "driver-tile" else name)
         options = lock_ins(tmp_path, codes[name], bought_of(len(there), rng), PLACES, seed, elements=there)
         pitch = float(rng.choice([-1, 1]) * rng.uniform(0.3, 4) + 10)
         (tmp_path / "pitch.toml").write_text(f"[array]\nrows = {right['rows']}\ncolumns = {right['columns']}\npitch_mm = {pitch:.2f}\n")
@@ -359,11 +397,14 @@ def test_a_wrong_array_file_is_named(tmp_path):
         else:
             told = [text(said.stderr)]
         right_file = json.loads(succeed(["calibrate", "fit", *options, "--array", name, "--json"], cwd=tmp_path).stdout)["faults"]
-        if [other for other in SHIPPED if f"{other} has its" in told[0] or f"the array {other}:" in told[0]] != [name] if told else True:
-            wrong.append((seed, name, named, pitch, told))
+        arrays = [other for other in SHIPPED if told and (f"{other} has its" in told[0] or f"the array {other}:" in told[0])]
+        if not arrays:
+            missed.append((seed, name, named, pitch, told))
+        elif arrays != [name]:
+            invented.append((seed, name, named, pitch, told))
         if right_file:
-            wrong.append((seed, name, right_file))
-    tell_wrong("array file", CASES, wrong)
+            invented.append((seed, name, right_file))
+    tell_wrong("array file", CASES, missed, invented)
 
 
 def test_a_wrong_supply_is_named(code, tmp_path):
@@ -371,7 +412,7 @@ def test_a_wrong_supply_is_named(code, tmp_path):
     phases, _ = model.read_code(code)
     (tmp_path / "measured.toml").write_text(
         '[array]\nrows = 10\ncolumns = 10\npitch_mm = 10\n[transducer]\nsource_pa_m = 1.4\nmeasured = "when it was new"\n')
-    wrong = []
+    missed, invented = [], []
     for seed in range(SEED, SEED + CASES):
         rng = np.random.default_rng(seed)
         bought = model.Bought.random(seed)
@@ -383,11 +424,13 @@ def test_a_wrong_supply_is_named(code, tmp_path):
             found = calibrate(tmp_path, [*options, f"--measured-mn={reading:.6g}", "--focus=0,0,120"])
             causes = {fault["cause"]: fault for fault in found["faults"]}
             ratio = float(causes["supply"]["advice"].split(": ")[1].split()[0]) if "supply" in causes else 1.0
-            if ("supply" in causes) != (volts != 12.0) or abs(ratio - volts / 12) > 0.1 * volts / 12:
-                wrong.append((seed, volts, causes))
+            if "supply" not in causes and volts != 12.0:
+                missed.append((seed, volts, causes))
+            elif "supply" in causes and (volts == 12.0 or abs(ratio - volts / 12) > 0.1 * volts / 12):
+                invented.append((seed, volts, causes))
             for cause in ("dead", "reversed"):
                 assert elements(found, cause) == getattr(bought, cause), (seed, cause)
-    tell_wrong("supply", CASES, wrong)
+    tell_wrong("supply", CASES, missed, invented)
 
 
 def test_what_no_fit_can_mend_is_refused(code, tmp_path):
@@ -402,6 +445,9 @@ def test_what_no_fit_can_mend_is_refused(code, tmp_path):
     rate, sound = wavfile.read(tmp_path / "0.wav")
     for name, changed, at_rate, said in (
         ("clipped.wav", np.clip(sound, -(2**30), 2**30), rate, "it was clipped; lower the recording level"),
+        ("little.wav", np.minimum(sound, np.sort(sound)[-40]), rate, "it was clipped; lower the recording level"),
+        ("slow-clipped.wav", np.clip(sound[::2], -(2**30), 2**30), rate // 2, "it was clipped; lower the recording level"),
+        ("coarse-clipped.wav", np.clip(sound >> 24 << 24, -(2**30), 2**30), rate, "it was clipped; lower the recording level"),
         ("slow.wav", sound, 48000, "48000 samples a second cannot hold 40000 Hz; record at 96000 Hz"),
         ("short.wav", sound[: rate // 2], rate, "it is 0.50 s long, and one pass of the code 1.02 s"),
         ("noise.wav", np.random.default_rng(SEED).integers(-(2**30), 2**30, len(sound), dtype=np.int32), rate, "something else, or noise"),
@@ -411,6 +457,16 @@ def test_what_no_fit_can_mend_is_refused(code, tmp_path):
         refuse(tmp_path, ["calibrate", "fit", name, "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, said, outputs=["tile.toml"])
     (tmp_path / "page.wav").write_text("no sound")
     refuse(tmp_path, ["calibrate", "fit", "page.wav", "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, "no sound file that can be read", outputs=["tile.toml"])
+
+
+def test_coarse_steps_of_a_converter_are_not_clipping(code, tmp_path):
+    """Of 64 steps, the uppermost is reached many times."""
+    options = takes(tmp_path, code, sound_array(), PLACES[:1], SEED, noise_db=-60)
+    rate, sound = wavfile.read(tmp_path / "0.wav")
+    coarse = np.round(sound / 2**26).astype(np.int32) * 2**26
+    assert (coarse == coarse.max()).sum() >= 16
+    wavfile.write(tmp_path / "0.wav", rate, coarse)
+    assert not calibrate(tmp_path, options)["faults"]
 
 
 def test_an_oscilloscope_and_a_sound_card_tell_the_same(code, tmp_path):
@@ -448,8 +504,106 @@ def test_a_measured_force_makes_the_level_calibrated(code, tmp_path):
     measured = json.loads(text(succeed(["analyze", "--array", "./tile.toml", "--focus", "0,0,100", "--json"], cwd=tmp_path).stdout))
     assert "calibrated level: 2 Pa" in json.dumps(measured, ensure_ascii=False)
     assert measured["points"][0]["force_mn"] == pytest.approx(force / 4, rel=1e-3)
+    # A microphone at the focus hears half of the pressure, of which force is the square; an amplitude is √2 of its rms value.
+    millivolts = nominal["points"][0]["pressure_pa"] / 2 / math.sqrt(2) * 0.7
+    calibrate(tmp_path, [*options, f"--measured-mv={millivolts:.9g}", "--sensitivity=0.7", "--focus", "0,0,100"])
+    heard = json.loads(text(succeed(["analyze", "--array", "./tile.toml", "--focus", "0,0,100", "--json"], cwd=tmp_path).stdout))
+    assert "Pa rms by a microphone at (0,0,100) mm" in heard["level"]["note"] and heard["level"]["calibrated"]
+    assert heard["points"][0]["force_mn"] == pytest.approx(force / 4, rel=1e-3)
+    keys = text(succeed(["analyze", "--array", "tile-10x10", "--focus=0,0,100", f"--measured-mv={millivolts:.9g}", "--sensitivity=0.7"], cwd=tmp_path).stdout)
+    assert tomllib.loads(keys)["transducer"]["source_pa_m"] == pytest.approx(2, rel=0.1)  # of elements that are as their kind
+    for wrong, said in ((["--measured-mv=3"], "--sensitivity"), (["--sensitivity=3"], "--measured-mv"), (["--measured-mv=3", "--sensitivity=0"], "--sensitivity"),
+                        (["--measured-mv=3", "--sensitivity=1", "--measured-mn=3"], "excludes"), ([], "focus")):  # fmt: skip
+        refuse(tmp_path, ["calibrate", "fit", *options, *wrong, "--focus=0,0,100", "-o", "x.toml"], USAGE, said, outputs=["x.toml"])
 
 
-def test_the_code_needs_a_board_that_holds_it(tmp_path):
-    refuse(tmp_path, ["calibrate", "code", "--array", "tile-10x10", "--board", "ice40-hx8k-breakout", "-o", "code.hex"], BAD_INPUT,
-           "128 records, and the board holds", outputs=["code.hex"])  # fmt: skip
+def test_a_board_of_few_records_plays_the_code_in_parts(tmp_path):
+    board = ["--array", "tile-10x10", "--board", "ice40-hx8k-breakout"]
+    refuse(tmp_path, ["calibrate", "code", *board, "-o", "code.hex"], BAD_INPUT, "128 records, and the board holds 64", "--part 1/3 to 3/3", outputs=["code.hex"])
+    codes = [tmp_path / f"{part}.hex" for part in (1, 2, 3)]
+    for part, path in enumerate(codes, 1):
+        succeed(["calibrate", "code", *board, "--part", f"{part}/3", "-o", path])
+    together = sum((model.read_code(path)[0] != 0).any(axis=0).astype(int) for path in codes)
+    assert (together > 0).all() and (together == 3).sum() == 9 and (together > 1).sum() == 9
+    bought, there, options = model.Bought.random(SEED, exchanged=2), np.random.default_rng(SEED).uniform(-2e-3, 2e-3, (3, 3)), []
+    rng = np.random.default_rng(SEED)
+    for number, (place, off) in enumerate(zip(PLACES, there, strict=False)):
+        for part, path in enumerate(codes, 1):
+            write_wav(tmp_path / f"{number}-{part}.wav", model.record(model.read_code(path), bought, np.array(place) * 1e-3 + off, rng))
+        options += [",".join(f"{number}-{part}.wav" for part in (1, 2, 3)), f"--at={','.join(map(str, place))}"]
+    found = calibrate(tmp_path, options)
+    for cause in ("dead", "reversed", "exchanged"):
+        assert elements(found, cause) == getattr(bought, cause), cause
+    assert kept(tmp_path, "./tile.toml", bought) >= 0.99
+    write_wav(tmp_path / "moved.wav", model.record(model.read_code(codes[1]), bought, np.array(PLACES[0]) * 1e-3 + there[0] + (0.008, 0, 0), rng))
+    for named, said in (("0-2.wav,0-1.wav,0-3.wav", "code for .* elements is not in it"), ("0-1.wav", "of which all parts belong together"),
+                        ("0-1.wav,0-2.wav", "code for .* elements is not in it"), ("0-1.wav,moved.wav,0-3.wav", "sound otherwise in part 2")):  # fmt: skip
+        refuse(tmp_path, ["calibrate", "fit", named, "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, said, outputs=["x.toml"])
+    for part in ("4/3", "0/3", "1", "1/2/3", "one/3", "1/92"):
+        refuse(tmp_path, ["calibrate", "code", *board, "--part", part, "-o", "x.hex"], USAGE, "part", outputs=["x.hex"])
+    refuse(tmp_path, ["calibrate", "code", *board, "--part", "1/2", "-o", "x.hex"], BAD_INPUT, "128 records a part", "1/3 to 3/3", outputs=["x.hex"])
+
+
+RECORDER = """#!{python}
+import os, sys
+options = dict(word.lstrip("-").split("=", 1) for word in sys.argv[1:-1] if "=" in word)
+assert options["device"] in ("hw:1", "default") and options["format"] == "S32_LE" and options["channels"] == "1" and options["duration"] == "2", options
+if os.path.exists("broken"):
+    sys.exit("no such card")
+count = len(os.listdir("heard"))
+open(sys.argv[-1], "wb").write(open(f"take{{count}}.wav", "rb").read())
+open(f"heard/{{count}}", "w").close()
+"""
+
+
+def test_one_command_plays_and_records(tmp_path, monkeypatch):
+    """arecord is a program of ours here, which gives the model's recordings while a virtual board plays."""
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "heard").mkdir()
+    (tmp_path / "bin/arecord").write_text(RECORDER.format(python=sys.executable))
+    (tmp_path / "bin/arecord").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path / 'bin'}:{os.environ['PATH']}")
+    board = ["--array", "tile-10x10", "--board", "ice40-hx8k-breakout"]
+    bought, rng = model.Bought.random(SEED), np.random.default_rng(SEED)
+    there = np.array(PLACES[0]) * 1e-3 + rng.uniform(-2e-3, 2e-3, 3)
+    for part in (1, 2, 3):
+        succeed(["calibrate", "code", *board, "--part", f"{part}/3", "-o", f"{part}.hex"], cwd=tmp_path)
+        write_wav(tmp_path / f"take{part - 1}.wav", model.record(model.read_code(tmp_path / f"{part}.hex"), bought, there, rng))
+    with virtual_board(tmp_path, "--model", "reference", "--board", "ice40-hx8k-breakout"):
+        told = text(ask(tmp_path, "calibrate", "record", *board, "--card", "hw:1", "-o", "take.wav").stdout)
+        assert told == "haptogram calibrate fit take-1.wav,take-2.wav,take-3.wav --at X,Y,Z\n"
+        ask(tmp_path, "download", "-o", "held.hex")
+        assert status(tmp_path)["outputs"] == "off"
+        (tmp_path / "broken").touch()
+        refused = run(["calibrate", "record", *board, "-o", "none.wav", "--port", "port"], cwd=tmp_path)
+        assert refused.returncode == RUN_FAILED and "no such card" in text(refused.stderr) and not list(tmp_path.glob("none*"))
+        assert status(tmp_path)["outputs"] == "off"
+        (tmp_path / "bin/arecord").unlink()
+        monkeypatch.setenv("PATH", str(tmp_path / "bin"))
+        refused = run(["calibrate", "record", *board, "-o", "none.wav", "--port", "port"], cwd=tmp_path)
+        assert refused.returncode == RUN_FAILED and "arecord" in text(refused.stderr) and not list(tmp_path.glob("none*"))
+    held, code = Image.load(str(tmp_path / "held.hex")), Image.load(str(tmp_path / "3.hex"))
+    assert held.entries == code.entries and [r.timings for r in held.records[: len(code.records)]] == [r.timings for r in code.records]
+    found = calibrate(tmp_path, ["take-1.wav,take-2.wav,take-3.wav", "--at=0,0,150"])
+    assert elements(found, "dead") == bought.dead and elements(found, "reversed") == bought.reversed
+
+
+def test_readings_in_parts(tmp_path):
+    """A lock-in's, and a voltmeter's of a board that holds 360 of the 400 records."""
+    rng, bought, at = np.random.default_rng(SEED), model.Bought.random(SEED), ["--at=0,0,150"]
+    net = ["--array", "tile-10x10", "--board", "colorlight-5a-75e-v7.1-net"]
+    refuse(tmp_path, ["calibrate", "code", *net, "--steps=0,0,150", "-o", "x.hex"], BAD_INPUT, "400 records", "--part 1/2 to 2/2", outputs=["x.hex"])
+    waves = model.transfer((np.array((0, 0, 150)) + rng.uniform(-2, 2, 3)) * 1e-3, bought.speed)[0] * bought.response
+    for part in (1, 2):
+        succeed(["calibrate", "code", *net, "--steps=0,0,150", "--part", f"{part}/2", "-o", "steps.hex"], cwd=tmp_path)
+        readings = abs(bought.drives(model.read_code(tmp_path / "steps.hex")[0]) @ waves) * rng.normal(1, 0.01, 200)
+        (tmp_path / f"meter{part}.csv").write_text("index,reading\n" + "".join(f"{i},{r:.5g}\n" for i, r in enumerate(readings, 1)))
+        succeed(["calibrate", "code", *net, "--part", f"{part}/2", "-o", "code.hex"], cwd=tmp_path)
+        lines = scan_of(model.read_code(tmp_path / "code.hex")[0], bought, (0, 0, 150), [(0, 0, 0), (15, 0, 0), (0, 15, 10)], np.random.default_rng(SEED))
+        (tmp_path / f"scan{part}.csv").write_text("x_mm,y_mm,z_mm,index,re,im\n" + "".join(lines))
+    for named, least in (("meter1.csv,meter2.csv", 0.98), ("scan1.csv,scan2.csv", 0.99)):
+        found = calibrate(tmp_path, [named, *at])
+        assert elements(found, "dead") == bought.dead and elements(found, "reversed") == bought.reversed, named
+        assert kept(tmp_path, "./tile.toml", bought) >= least, named
+    refuse(tmp_path, ["calibrate", "fit", "meter1.csv,scan2.csv", *at, "-o", "x.toml"], BAD_INPUT, "other places or by another meter", outputs=["x.toml"])
+    refuse(tmp_path, ["calibrate", "fit", "meter1.csv", *at, "-o", "x.toml"], BAD_INPUT, "200 readings, expected 400", outputs=["x.toml"])

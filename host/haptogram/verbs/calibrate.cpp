@@ -223,15 +223,21 @@ private:
     /// @return how well it fits, as the logarithm of a likelihood
     double begin_at(std::size_t k) {
         const double k_m = wave_number(), error = options_.place_error_m;
+        struct Turned {
+            Vec3 from;
+            Complex squared;  // as long as the sound
+        };
+        std::vector<Turned> living;
+        double weight = 0.0;
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (const double loud = std::abs(sound(k, j)); alive_[j] && loud > 0.0) {
+                living.push_back({array_.elements[wired_[j]].position, sound(k, j) * sound(k, j) / loud});
+                weight += loud;
+            }
         const auto agreement = [&](Vec3 place) {
             Complex sum = 0.0;
-            double weight = 0.0;
-            for (std::size_t j = 0; j < channels_; ++j) {
-                if (!alive_[j]) continue;
-                const double angle = std::arg(sound(k, j)) + k_m * distance(array_.elements[wired_[j]], place);
-                sum += std::abs(sound(k, j)) * std::polar(1.0, 2.0 * angle);
-                weight += std::abs(sound(k, j));
-            }
+            for (const Turned& one : living)
+                sum += one.squared * std::polar(1.0, 2.0 * k_m * distance(one.from, place));
             return sum / weight;
         };
         const Vec3 given = heard_[k].place;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
@@ -36,9 +37,15 @@ public:
         const double mean = std::accumulate(recording.samples.begin(), recording.samples.end(), 0.0) /
                             static_cast<double>(recording.samples.size());
         sums_.reserve(recording.samples.size() + 1);
+        // A product is quicker than an angle; what it loses in this many is no more than what a sum does.
+        constexpr std::size_t steps = 256;
+        const Complex step = std::polar(1.0, -turn * carrier_hz / rate_hz_);
+        Complex phasor;
         for (std::size_t i = 0; i < recording.samples.size(); ++i) {
-            const double turns = std::fmod(static_cast<double>(i) * carrier_hz / rate_hz_, 1.0);
-            sums_.push_back(sums_.back() + (recording.samples[i] - mean) * std::polar(2.0, -turn * turns));
+            if (i % steps == 0)
+                phasor = std::polar(2.0, -turn * std::fmod(static_cast<double>(i) * carrier_hz / rate_hz_, 1.0));
+            sums_.push_back(sums_.back() + (recording.samples[i] - mean) * phasor);
+            phasor *= step;
         }
     }
     [[nodiscard]] double seconds() const { return static_cast<double>(sums_.size() - 1) / rate_hz_; }
@@ -89,10 +96,14 @@ Pass pass_at(const CalibrationCode& code, std::size_t elements, const Baseband& 
              double carrier_hz) {
     const double pattern_s = CalibrationCode::periods / (carrier_hz + error_hz);
     Complexes sounds;
+    const double middle_s = begin_s + 0.5 * (1.0 + settling - margin) * pattern_s;
+    Complex back = std::polar(1.0, -turn * error_hz * middle_s);
+    const Complex step = std::polar(1.0, -turn * error_hz * pattern_s);
     for (std::size_t i = 0; i < code.patterns(); ++i) {
         const double at_s = begin_s + static_cast<double>(i) * pattern_s;
         const double from_s = at_s + settling * pattern_s, to_s = at_s + (1.0 - margin) * pattern_s;
-        sounds.push_back(sound.mean(from_s, to_s) * std::polar(1.0, -turn * error_hz * 0.5 * (from_s + to_s)));
+        sounds.push_back(sound.mean(from_s, to_s) * back);
+        back *= step;
     }
     Pass pass{code.columns(sounds)};
     double all = 0.0, silent = 0.0;
@@ -140,35 +151,72 @@ Record silent_record(const Timer& timer, const Core& core) {
             std::vector<std::uint16_t>(core.parameters.channels, interface::silent_timing)};
 }
 
-void require_held(std::size_t records, const Array& array, const Core& core) {
-    require_channels(array, core);
-    if (records <= core.parameters.records && records < core.parameters.sequence_depth) return;
-    throw bad_input(
-        core.name,
-        fmt::format("for {} elements it takes {} records, and the board holds {} (and {} sequence "
-                    "entries); calibrate the array on a board that holds more",
-                    array.elements.size(), records, core.parameters.records, core.parameters.sequence_depth - 1));
+/// Elements that play in each part: as many as tell by their phases that the microphone was moved.
+constexpr std::size_t in_each_part = 9;
+
+/// The fewest parts, from so many on, that the core holds; none when it holds no number of them.
+/// @param records_of  how many the largest of so many parts takes
+template <class RecordsOf>
+std::optional<std::size_t> fewest_parts(const Core& core, std::size_t from, std::size_t most, RecordsOf records_of) {
+    for (std::size_t parts = from; parts <= most; ++parts)
+        if (records_of(parts) <= core.parameters.records && records_of(parts) < core.parameters.sequence_depth)
+            return parts;
+    return {};
 }
 
-/// A sound card that is driven too hard has its largest value again and again.
+/// @param fewest  parts that the core holds
+void require_held(const Array& array, const Core& core, CodePart part, std::size_t records,
+                  std::optional<std::size_t> fewest) {
+    if (fewest == part.of) return;
+    throw bad_input(
+        core.name,
+        fmt::format("for {} elements it takes {} records{}, and the board holds {} (and {} sequence entries); {}",
+                    array.elements.size(), records, part.of > 1 ? " a part" : "", core.parameters.records,
+                    core.parameters.sequence_depth - 1,
+                    fewest ? fmt::format("make it in {0} parts, of which each is played and recorded: --part 1/{0} to "
+                                         "{0}/{0}",
+                                         *fewest)
+                           : "calibrate the array on a board that holds more"));
+}
+
+/// Of the largest part.
+std::size_t patterns_of(const Array& array, std::size_t parts) {
+    return CalibrationCode(elements_of_part(array, {1, parts}).size()).patterns();
+}
+
+std::optional<std::size_t> fewest_parts_of_code(const Array& array, const Core& core, std::size_t from) {
+    require_channels(array, core);
+    const std::size_t count = array.elements.size();
+    return fewest_parts(core, from, std::max(from, count > in_each_part ? count - in_each_part : 1),
+                        [&](std::size_t parts) { return patterns_of(array, parts); });
+}
+
+/// A converter that is driven too hard has its largest value far more often than the one beside it, which a sound's
+/// peaks, in steps however coarse, have not: a steady one's 2.4 times as often.
 void refuse_clipped(const Recording& recording) {
-    const auto [low, high] = std::ranges::minmax_element(recording.samples);
+    const std::vector<double>& samples = recording.samples;
+    const auto [low, high] = std::ranges::minmax_element(samples);
     for (const double extreme : {*low, *high}) {
-        const auto count = std::ranges::count(recording.samples, extreme);
-        if (extreme != 0.0 && count >= 16)
-            throw bad_input(recording.name, fmt::format("it has its extreme value {:g} at {} samples: it was clipped; "
-                                                        "lower the recording level, or move the microphone away",
-                                                        extreme, count));
+        double next = extreme == *low ? *high : *low;
+        for (const double sample : samples)
+            if (sample != extreme && std::abs(sample - extreme) < std::abs(next - extreme)) next = sample;
+        const auto count = std::ranges::count(samples, extreme), beside = std::ranges::count(samples, next);
+        constexpr std::ptrdiff_t least = 16, times = 5;
+        if (extreme != 0.0 && count >= least && count > times * beside)
+            throw bad_input(recording.name,
+                            fmt::format("it has its extreme value {:g} at {} samples, and the one beside it at {}: it "
+                                        "was clipped; lower the recording level, or move the microphone away",
+                                        extreme, count, beside));
     }
 }
 
 }  // namespace
 
-CalibrationCode::CalibrationCode(std::size_t elements) {
+CalibrationCode::CalibrationCode(std::size_t elements, std::size_t part) {
     if (elements == 0) throw bad_input("calibration", "the array has no elements");
     // At least an eighth as many columns have no element, and at least sixteen.
     negated_.resize(std::bit_ceil(elements + std::max<std::size_t>(16, elements / 8)));
-    std::mt19937 random(39);
+    std::mt19937 random(static_cast<std::uint32_t>(38 + part));
     for (std::size_t i = 0; i < negated_.size(); ++i) {
         negated_[i] = (random() >> 31U) != 0;
         column_of_.push_back(i);
@@ -197,15 +245,40 @@ std::vector<Complex> CalibrationCode::columns(std::span<const Complex> sounds) c
     return found;
 }
 
-Image calibration_image(const Array& array, const Core& core) {
-    const CalibrationCode code(array.elements.size());
-    require_held(code.patterns(), array, core);
+std::vector<std::size_t> elements_of_part(const Array& array, CodePart part) {
+    const std::size_t count = array.elements.size();
+    std::vector<std::size_t> found;
+    if (part.of <= 1) {
+        found.resize(count);
+        std::iota(found.begin(), found.end(), std::size_t{0});
+        return found;
+    }
+    if (count <= in_each_part || part.of > count - in_each_part)
+        throw bad_argument("part", fmt::format("{} elements cannot be shared out to {} parts", count, part.of));
+    std::vector<bool> in_each(count);
+    for (std::size_t i = 0; i < in_each_part; ++i) in_each[i * (count - 1) / (in_each_part - 1)] = true;
+    std::size_t other = 0;
+    for (std::size_t j = 0; j < count; ++j)
+        if (in_each[j] || other++ % part.of == part.number - 1) found.push_back(j);
+    return found;
+}
+
+std::size_t parts_of_code(const Array& array, const Core& core) {
+    const std::optional<std::size_t> fewest = fewest_parts_of_code(array, core, 1);
+    if (!fewest) require_held(array, core, {}, patterns_of(array, 1), fewest);
+    return *fewest;
+}
+
+Image calibration_image(const Array& array, const Core& core, CodePart part) {
+    require_held(array, core, part, patterns_of(array, part.of), fewest_parts_of_code(array, core, part.of));
+    const std::vector<std::size_t> elements = elements_of_part(array, part);
+    const CalibrationCode code(elements.size(), part.number);
     const Timer timer = choose_timer(array, core);
     Image image = empty_image(core);
     for (std::size_t i = 0; i < code.patterns(); ++i) {
         Record record = silent_record(timer, core);
-        for (std::size_t j = 0; j < array.elements.size(); ++j)
-            record.timings[j] =
+        for (std::size_t j = 0; j < elements.size(); ++j)
+            record.timings[elements[j]] =
                 code.turned(i, j) ? static_cast<std::uint16_t>(timer.cycle_ticks / 2) : std::uint16_t{0};
         image.records.push_back(std::move(record));
         image.sequence.push_back({static_cast<std::uint16_t>(i + 1), CalibrationCode::periods});
@@ -213,8 +286,9 @@ Image calibration_image(const Array& array, const Core& core) {
     return image;
 }
 
-ElementSounds from_patterns(std::span<const Complex> readings, std::size_t elements, const std::string& name) {
-    const CalibrationCode code(elements);
+ElementSounds from_patterns(std::span<const Complex> readings, std::size_t elements, const std::string& name,
+                            std::size_t part) {
+    const CalibrationCode code(elements, part);
     if (readings.size() != code.patterns())
         throw bad_input(name, fmt::format("{} readings at a place, expected {}: one of each record of the code for {} "
                                           "elements",
@@ -234,13 +308,57 @@ ElementSounds from_patterns(std::span<const Complex> readings, std::size_t eleme
     return found;
 }
 
-Image steps_image(const Array& array, const Core& core, Vec3 microphone) {
-    require_held(4 * array.elements.size(), array, core);
+ElementSounds join_parts(const Array& array, std::span<const ElementSounds> parts, const std::string& name) {
+    if (parts.size() == 1) return parts.front();
+    const std::size_t count = array.elements.size();
+    ElementSounds joined = parts.front();
+    joined.sounds.assign(count, 0.0);
+    std::vector<double> heard(count, 0.0);  // in how many parts
+    double noise = 0.0, clock_ppm = 0.0;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const std::vector<std::size_t> elements = elements_of_part(array, {p + 1, parts.size()});
+        const Complexes& sounds = parts[p].sounds;
+        Complex both = 0.0;
+        double before = 0.0, now = 0.0;
+        for (std::size_t i = 0; p > 0 && i < elements.size(); ++i)
+            if (const std::size_t j = elements[i]; heard[j] > 0.0) {
+                both += joined.sounds[j] / heard[j] * std::conj(sounds[i]);
+                before += std::norm(joined.sounds[j] / heard[j]);
+                now += std::norm(sounds[i]);
+            }
+        constexpr double alike = 0.95;  // of phases and levels; 3 mm beside its place, it is less
+        if (p > 0 && !(std::abs(both) > alike * std::sqrt(before * now)))
+            throw bad_input(name,
+                            fmt::format("the elements that play in each part sound otherwise in part {} than before; "
+                                        "leave the microphone and its level as they are from part to part",
+                                        p + 1));
+        const Complex turn_by = p > 0 ? both / now : 1.0;
+        for (std::size_t i = 0; i < elements.size(); ++i) {
+            joined.sounds[elements[i]] += turn_by * sounds[i];
+            heard[elements[i]] += 1.0;
+        }
+        noise += std::norm(turn_by) * parts[p].noise * parts[p].noise / static_cast<double>(parts.size());
+        clock_ppm += parts[p].clock_ppm / static_cast<double>(parts.size());
+        joined.passes = std::min(joined.passes, parts[p].passes);
+    }
+    for (std::size_t j = 0; j < count; ++j) joined.sounds[j] /= heard[j];
+    joined.noise = std::sqrt(noise);
+    joined.clock_ppm = clock_ppm;
+    return joined;
+}
+
+Image steps_image(const Array& array, const Core& core, Vec3 microphone, CodePart part) {
+    const std::size_t count = array.elements.size();
+    if (part.of > count)
+        throw bad_argument("part", fmt::format("{} elements cannot be shared out to {} parts", count, part.of));
+    require_channels(array, core);
+    const auto records_of = [&](std::size_t parts) { return 4 * ((count + parts - 1) / parts); };
+    require_held(array, core, part, records_of(part.of), fewest_parts(core, part.of, count, records_of));
     const Timer timer = choose_timer(array, core);
     const std::vector<std::uint16_t> focused = focal_law(array, timer, {&microphone, 1});
     const std::vector<bool> steady = steady_elements(array);
     Image image = empty_image(core);
-    for (std::size_t j = 0; j < array.elements.size(); ++j)
+    for (std::size_t j = count * (part.number - 1) / part.of; j < count * part.number / part.of; ++j)
         for (std::uint32_t step = 0; step < 4; ++step) {
             Record record = silent_record(timer, core);
             for (std::size_t m = 0; m < array.elements.size(); ++m)
@@ -294,13 +412,13 @@ ElementSounds from_steps(const Array& array, std::span<const double> readings, V
     return found;
 }
 
-ElementSounds decode(const Recording& recording, std::size_t elements, double carrier_hz) {
+ElementSounds decode(const Recording& recording, std::size_t elements, double carrier_hz, std::size_t part) {
     constexpr double least_rate = 2.2;  // of the carrier: a sound card's filter ends before half of its rate
     if (!(recording.rate_hz >= least_rate * carrier_hz))
         throw bad_input(recording.name, fmt::format("{:g} samples a second cannot hold {:g} Hz; record at {:g} Hz or "
                                                     "more",
                                                     recording.rate_hz, carrier_hz, 96e3 * carrier_hz / 40e3));
-    const CalibrationCode code(elements);
+    const CalibrationCode code(elements, part);
     const double pattern_s = CalibrationCode::periods / carrier_hz;
     const double pass_s = pattern_s * static_cast<double>(code.patterns());
     const double seconds = static_cast<double>(recording.samples.size()) / recording.rate_hz;
@@ -330,10 +448,12 @@ ElementSounds decode(const Recording& recording, std::size_t elements, double ca
             for (double hz = rough_hz - range_hz; hz <= rough_hz + range_hz; hz += step_hz) try_at(begin_s, hz);
     const double by_chance = static_cast<double>(code.patterns() - elements) / static_cast<double>(code.patterns());
     if (!(least < recognised * by_chance))
-        throw bad_input(recording.name,
-                        fmt::format("the code for {} elements is not in it: what sounds at {:g} Hz is {}; see that the "
-                                    "board played this array's code, and that the microphone hears 40 kHz",
-                                    elements, carrier_hz, least == 1.0 ? "nothing" : "something else, or noise"));
+        throw bad_input(
+            recording.name,
+            fmt::format("the code for {} elements is not in it: what sounds at {:g} Hz is {}; see that the "
+                        "board played this array's code, of which all parts belong together, as 1.wav,2.wav, in their "
+                        "order, and that the microphone hears 40 kHz",
+                        elements, carrier_hz, least == 1.0 ? "nothing" : "something else, or noise"));
     for (double step = step_hz / 2.0; step > 1e-3 * step_hz; step /= 2.0)
         for (const double hz : {error_hz - step, error_hz + step}) try_at(found.start_s, hz);
     // Further passes are turned to the first before they are added.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "haptogram/array/array.hpp"
@@ -24,11 +25,20 @@ struct MeasuredLevel {
     std::string measured;
 };
 
-/// The source strength with which the computed force is the measured one.
-/// @param force_n     that was measured on a disc as steady_force() has it, at full steady drive
-/// @throws Error{bad_argument} when the force is not positive, or the array cannot reach the focus
-[[nodiscard]] MeasuredLevel measured_level(const Array& array, Vec3 focus, double force_n);
+/// What was measured of a steady focus at full drive: one of the two.
+struct LevelReading {
+    std::optional<double> force_n;  ///< on a disc as steady_force() has it
+    std::optional<double> rms_pa;   ///< by a microphone at the focus
+};
+
+/// The rms pressure that a microphone's rms voltage means. Its sensitivity is that at the carrier.
+/// @throws Error{bad_argument} when either is not positive
+[[nodiscard]] double microphone_pa(double rms_mv, double mv_a_pa);
+
+/// The source strength with which the computed force or pressure is the measured one.
+/// @throws Error{bad_argument} when the reading is not positive, or the array cannot reach the focus
+[[nodiscard]] MeasuredLevel measured_level(const Array& array, Vec3 focus, const LevelReading& reading);
 /// The same as keys of an array file.
-[[nodiscard]] std::string calibrated_keys(const Array& array, Vec3 focus, double force_n);
+[[nodiscard]] std::string calibrated_keys(const Array& array, Vec3 focus, const LevelReading& reading);
 
 }  // namespace haptogram
