@@ -22,7 +22,7 @@ import boards  # noqa: E402
 
 CIRCUIT = tomllib.loads((ROOT / "hardware/circuit.toml").read_text(encoding="utf-8"))
 PARTS = CIRCUIT["parts"]
-BOARD, ARRAY = "colorlight-5a-75e-v7.1", ROOT / "hardware/driver-tile.toml"
+BOARD, ARRAY = "colorlight-5a-75e-v7.1", ROOT / "host/arrays/driver-tile.toml"
 GROUNDS = ("4", "16")  # of each HUB75 connector
 ENABLE_HEADER = "J90"
 # A driver's inputs with the outputs that belong to them.
