@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -31,6 +32,8 @@
 namespace haptogram::cli {
 namespace {
 
+constexpr double least_c = -50.0, most_c = 100.0;  // of the air
+
 struct PlayOptions {
     RigPorts ports;
     std::string on_loss = "off";
@@ -38,7 +41,8 @@ struct PlayOptions {
     bool sequence = false;  ///< the default, which may be asked for
     std::optional<std::string> am, am_law;
     std::optional<double> temperature_c;
-    std::string triggers;  ///< a project that has them; "": it does not wait for any
+    std::string temperature_from;  ///< a sensor's lines; "": there is none
+    std::string triggers;          ///< a project that has them; "": it does not wait for any
     bool json = false;
 };
 
@@ -80,6 +84,51 @@ private:
     std::deque<std::size_t> fired_;
 };
 
+/// The foci of a board follow what was said of the air: once, or by lines of a sensor, as they come.
+class Air {
+public:
+    Air(const PlayOptions& options, link::Device& device) {
+        if (!options.temperature_from.empty()) sensor_.emplace(options.temperature_from);
+        std::optional<double> celsius = options.temperature_c;
+        while (sensor_ && !celsius && !sensor_->ended() && !interrupted())
+            celsius = next(std::chrono::milliseconds(100));
+        if (!celsius && sensor_ && !interrupted())
+            throw bad_input(sensor_->where(),
+                            "it ended without a temperature; expected lines of degrees C, such as 21.5");
+        if (!celsius) return;
+        const double speed_m_s = speed_of_sound(*celsius);
+        on_.emplace(device, speed_m_s, complain);
+        complain(
+            fmt::format("foci for sound of {:.1f} m/s; the image has {:.1f} m/s", speed_m_s, on_->own_speed_m_s()));
+    }
+    void follow() {
+        if (!sensor_ || !on_) return;
+        std::optional<double> last;
+        while (const auto celsius = next(std::chrono::milliseconds(0))) last = celsius;
+        if (last) on_->set(speed_of_sound(*last));
+    }
+
+private:
+    /// The next line that says one; of others it is told that they do not count.
+    std::optional<double> next(std::chrono::milliseconds patience) {
+        while (const auto line = sensor_->next(patience)) {
+            double celsius = 0.0;
+            const char* const end = line->data() + line->size();
+            const auto [at, error] = std::from_chars(line->data(), end, celsius);
+            if (error == std::errc() &&
+                line->find_first_not_of(" \t\r", static_cast<std::size_t>(at - line->data())) == std::string::npos &&
+                celsius >= least_c && celsius <= most_c)
+                return celsius;
+            complain(fmt::format("{}: expected degrees C from {} to {}, found '{}'; the air stays as it was",
+                                 sensor_->where(), least_c, most_c, *line));
+        }
+        return {};
+    }
+
+    std::optional<LiveText> sensor_;
+    std::optional<link::AirOn> on_;
+};
+
 link::Played play_parts(const PlayOptions& options, link::Device& device, const link::PlaySettings& settings,
                         const link::Watch& watch) {
     const Project project = load_project(options.triggers);
@@ -95,10 +144,11 @@ link::Played play_parts(const PlayOptions& options, link::Device& device, const 
 }
 
 int play_rig(const PlayOptions& options) {
-    if (options.play.rate > 0.0 || options.am || options.temperature_c)
-        throw bad_argument(options.am              ? "am"
-                           : options.temperature_c ? "temperature"
-                                                   : "rate",
+    if (options.play.rate > 0.0 || options.am || options.temperature_c || !options.temperature_from.empty())
+        throw bad_argument(options.am                          ? "am"
+                           : options.temperature_c             ? "temperature"
+                           : !options.temperature_from.empty() ? "temperature-from"
+                                                               : "rate",
                            "a rig plays as it was compiled; compile it with that setting, or play one board");
     const RigBundle bundle = load_rig_bundle(options.ports.rig);
     const link::RigDevices devices(bundle, options.ports.of(bundle));
@@ -122,17 +172,13 @@ int play(const PlayOptions& options) {
     catch_interrupts();
     if (options.ports.is_rig()) return play_rig(options);
     link::Device device(options.ports.one());
-    std::optional<link::AirOn> air;
-    if (options.temperature_c) {
-        const double speed_m_s = speed_of_sound(*options.temperature_c);
-        air.emplace(device, speed_m_s, complain);
-        complain(
-            fmt::format("foci for sound of {:.1f} m/s; the image has {:.1f} m/s", speed_m_s, air->own_speed_m_s()));
-    }
+    Air air(options, device);
+    if (interrupted()) return 0;
     ProgressLine progress("play");
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
     const auto watch = [&](const link::Playing& now) {
+        air.follow();
         progress.note((settings.on_trigger && now.status.waiting) || (!options.triggers.empty() && is_over(now.status))
                           ? std::string("waits for the trigger")
                           : fmt::format("{:.1f} s, record {}, {} underruns", now.seconds, now.status.present_index,
@@ -187,10 +233,15 @@ void add_play(CLI::App& app, Action& action) {
         ->excludes(index)
         ->excludes(triggers);
     sub->add_option("--seconds", options->play.seconds, "Not longer than this")->check(positive());
-    sub->add_option("--temperature", options->temperature_c,
-                    "Temperature of the air now, degrees C: a board that computes foci does so for this speed of sound "
-                    "meanwhile")
-        ->check(CLI::Range(-50.0, 100.0));
+    auto* temperature = sub->add_option("--temperature", options->temperature_c,
+                                        "Temperature of the air now, degrees C: a board that computes foci does so for "
+                                        "this speed of sound meanwhile")
+                            ->check(CLI::Range(least_c, most_c));
+    sub->add_option("--temperature-from", options->temperature_from,
+                    "The same of a sensor's lines, degrees C, as they come: a pipe or device, or - for standard input; "
+                    "playing begins with the first")
+        ->excludes(temperature)
+        ->excludes(triggers);
     add_am(*sub, options->am, options->am_law);
     add_watchdog_option(*sub, options->play.watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");

@@ -3,12 +3,15 @@
 core. Pressures are summed up here by numpy, from the pulses alone."""
 import json
 import math
+import re
 import signal
+import subprocess
+import time
 
 import numpy as np
 import pytest
 from intelhex import IntelHex
-from support import BAD_INPUT, OK, RUN_FAILED, USAGE, Image, adopt, array_for, ask, path_file, read_json, refuse, run, status, succeed, text, virtual_board
+from support import BAD_INPUT, OK, PROGRAM, RUN_FAILED, USAGE, Image, adopt, array_for, ask, path_file, read_json, refuse, run, status, succeed, text, virtual_board
 
 PARAMETERS, GEOMETRY, MODULATION, DESCRIPTION = 0x50000000, 0x60000000, 0x70000000, 0x40000000
 UNIT_MM = 1 / 128
@@ -374,6 +377,36 @@ def plays_at_pins(folder, cycle=1250):
         mean = [np.exp(2j * np.pi * play[play[:, 0] == channel][2:-2, 1:3].mean(axis=1) / cycle).mean() for channel in range(100)]
         turns.append(np.angle(np.array(mean) / mean[0]) / (2 * np.pi))
     return turns
+
+
+def test_foci_follow_a_sensors_lines(tmp_path):
+    """The last pulses are those of the last temperature; lines that say none are told, and change nothing."""
+    speed = lambda celsius: 331.3 * math.sqrt(1 + celsius / 273.15)  # noqa: E731
+    compile_foci(tmp_path, "tile-100-wide", "--shape", "point", "--center", "0,0,180", "--rate", 400)
+    with virtual_board(tmp_path, "--board", "tile-100-wide", "--pulses", "pulses.csv") as board:
+        ask(tmp_path, "upload", "image.hex")
+        refused = run(["play", "--temperature-from", "-", "--port", "port"], cwd=tmp_path)
+        assert refused.returncode == 3 and "without a temperature" in text(refused.stderr)
+        command = [PROGRAM, "play", "--loops", "0", "--watchdog", "0", "--temperature-from", "-", "--port", "port"]
+        with subprocess.Popen(command, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as plays:
+            for line in ("warm", "45", "45 degrees", "200", "-10"):
+                plays.stdin.write(f"{line}\n")
+                plays.stdin.flush()
+                time.sleep(1.5)
+            plays.send_signal(signal.SIGINT)
+            said = plays.communicate(timeout=60)[1]
+            assert plays.returncode == 0, said
+        board.send_signal(signal.SIGINT)
+        assert board.wait(120) == 0
+    assert f"foci for sound of {speed(45):.1f} m/s" in said and len(re.findall("expected degrees C from -50 to 100", said)) == 3, said
+    elements = np.array(read_json(tmp_path / "image.json")["array"]["elements_mm"])[:, :3] * 1e-3
+    ways = np.linalg.norm(elements - (0, 0, 0.18), axis=1)
+    pulses = np.loadtxt(tmp_path / "pulses.csv", delimiter=",", skiprows=1, usecols=(0, 1, 2))
+    begin, end = pulses[:, 1].min(), pulses[:, 1].max()
+    for celsius, part in ((45, pulses[pulses[:, 1] < begin + 20 * 1250]), (-10, pulses[pulses[:, 1] > end - 20 * 1250])):
+        mean = [np.exp(2j * np.pi * part[part[:, 0] == channel][2:-2, 1:3].mean(axis=1) / 1250).mean() for channel in range(100)]
+        off = np.angle(np.array(mean) / mean[0]) / (2 * np.pi) - (ways[0] - ways) * 40e3 / speed(celsius)
+        assert abs(off - np.round(off)).max() < 3e-3, celsius
 
 
 def test_foci_follow_the_temperature_that_is_given_while_they_play(tmp_path):

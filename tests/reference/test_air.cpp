@@ -86,9 +86,12 @@ TEST_CASE("foci of a board follow the temperature of the air", "[air]") {
     CHECK(bench.error_at(own) < 2e-3);
     CHECK(bench.error_at(warm) > 0.01);
     {
-        const link::AirOn air(bench.client, warm);
+        link::AirOn air(bench.client, warm);
         CHECK(air.own_speed_m_s() == Approx(own).epsilon(1e-5));
         CHECK(bench.error_at(warm) < 2e-3);
+        const double cold = speed_of_sound(-10.0);
+        air.set(cold);
+        CHECK(bench.error_at(cold) < 2e-3);
     }
     CHECK(bench.parameters() == before);
     CHECK(bench.error_at(own) < 2e-3);

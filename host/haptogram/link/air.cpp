@@ -27,10 +27,12 @@ AirOn::AirOn(Commands& device, double speed_m_s, Warning warn) : device_(device)
     const std::uint32_t clocks = air_field::foci_cycle.get(block);
     if (own_ == 0 || clocks == 0 || air_field::foci_count.get(block) == 0)
         throw Error(ErrorCode::device, "board", fmt::format("it holds no image of foci, and {}", records));
-    const double carrier_hz = identity.clock_hz / static_cast<double>(clocks);
-    own_speed_m_s_ = carrier_hz * focus_unit_m * 0x1p27 / own_;
-    write(wave_number_word(speed_m_s / carrier_hz));
+    carrier_hz_ = identity.clock_hz / static_cast<double>(clocks);
+    own_speed_m_s_ = carrier_hz_ * focus_unit_m * 0x1p27 / own_;
+    set(speed_m_s);
 }
+
+void AirOn::set(double speed_m_s) { write(wave_number_word(speed_m_s / carrier_hz_)); }
 
 AirOn::~AirOn() {
     try {

@@ -5,8 +5,8 @@
 
 namespace haptogram::link {
 
-/// A device computes its foci for another speed of sound while this lives, and for that of its image again when it
-/// goes.
+/// A device computes its foci for another speed of sound while this lives, which may change, and for that of its image
+/// again when it goes.
 class AirOn {
 public:
     /// @param speed_m_s  of sound
@@ -17,6 +17,7 @@ public:
     AirOn& operator=(const AirOn&) = delete;
     ~AirOn();
 
+    void set(double speed_m_s);
     /// Of the image.
     [[nodiscard]] double own_speed_m_s() const { return own_speed_m_s_; }
 
@@ -26,7 +27,7 @@ private:
     Commands& device_;
     Warning warn_;
     std::uint32_t own_ = 0;
-    double own_speed_m_s_ = 0.0;
+    double carrier_hz_ = 0.0, own_speed_m_s_ = 0.0;
 };
 
 }  // namespace haptogram::link
