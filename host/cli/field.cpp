@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/probe.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
@@ -31,18 +32,16 @@ struct FieldCommand {
 };
 
 /// How the field was computed: a message on standard error, or JSON on standard output.
-void tell_how(const Field& field, const std::string& surface, bool as_json) {
+void tell_how(const Field& field, const std::string& surface, const Transducer& transducer, bool as_json) {
     if (as_json) {
-        nlohmann::json how = {{"region", field.region.text},
-                              {"quantity", field.quantity},
-                              {"points", field.region.grid.size()},
-                              {"method", name_of(field.method)},
-                              {"error", field.error}};
+        nlohmann::json how = {
+            {"region", field.region.text},     {"quantity", field.quantity}, {"points", field.region.grid.size()},
+            {"method", name_of(field.method)}, {"error", field.error},       {"level", level_json(transducer)}};
         if (!surface.empty()) how["surface"] = surface;
         tell(how, true);
         return;
     }
-    fmt::print(stderr, "{}\n", description_of(field));
+    fmt::print(stderr, "{}\n{}\n", description_of(field), level_text(transducer));
     if (!surface.empty()) fmt::print(stderr, "{}\n", surface);
 }
 
@@ -88,7 +87,7 @@ int field(const FieldCommand& command, const std::vector<std::string>& given) {
         }
     }
     const std::string surface = write_field(command.output, found, command.below_db);
-    tell_how(found, surface, command.json);
+    tell_how(found, surface, excitation.array.transducer, command.json);
     return 0;
 }
 

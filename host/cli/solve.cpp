@@ -9,6 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "progress_line.hpp"
 #include "source_options.hpp"
@@ -90,6 +91,7 @@ void print(const Solved& solved) {
                            *q->null_share);
         }
     }
+    fmt::print("{}\n", level_text(solved.array.transducer));
 }
 
 int solve(const SolveCommand& command) {

@@ -72,6 +72,13 @@ def test_how_it_was_computed_and_how_far_it_may_be_off(small):
     assert (far["region"], far["quantity"], far["method"]) == ("xy@z=130", "radiation_pressure_pa", "interpolated") and 0 < far["error"] <= 1e-4
     said = text(succeed(["field", "image.hex", "--step", 20], cwd=small.folder).stderr)
     assert said.startswith("81 points by sums of all waves, off by at most 3e-05 of the largest pressure")
+    assert "nominal level: 4 Pa·m of " in said and not near["level"]["calibrated"]
+    (small.folder / "measured.toml").write_text("[array]\nrows = 2\ncolumns = 2\npitch_mm = 10\n[transducer]\nsource_pa_m = 2\nmeasured = 'by a balance'\n")
+    measured = [*focus, "--array", "./measured.toml", "--step", 20]
+    assert "calibrated level: 2 Pa·m, by a balance" in text(succeed(["field", *measured], cwd=small.folder).stderr)
+    assert json.loads(succeed(["field", *measured, "-o", "m.npy", "--json"], cwd=small.folder).stdout)["level"]["calibrated"]
+    assert "calibrated level: 2 Pa·m, by a balance" in text(succeed(["solve", *focus, "--array", "./measured.toml"], cwd=small.folder).stdout)
+    assert json.loads(succeed(["solve", *focus, "--array", "./measured.toml", "--json"], cwd=small.folder).stdout)["source_level"]["calibrated"]
     assert b"largest velocity" in succeed(["field", *focus, "--step", 20, "--quantity", "velocity"], cwd=small.folder).stderr
 
 

@@ -19,6 +19,7 @@
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
 
 namespace haptogram {
@@ -94,6 +95,7 @@ ordered_json to_json(const Solved& solved) {
                          {"solver", name_of(solved.options.method)},
                          {"amplitudes", solved.options.amplitudes},
                          {"level", solved.options.level == Level::reachable ? "reachable" : "pressure"},
+                         {"source_level", level_json(solved.array.transducer)},
                          {"steps", ordered_json::array()}};
     if (!solved.quantise.empty()) json["quantise"] = solved.quantise;
     for (const SolvedStep& step : solved.steps) json["steps"].push_back(to_json(step));
