@@ -36,8 +36,9 @@ using net::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using Socket = websocket::stream<beast::tcp_stream>;
 
-constexpr std::chrono::seconds most_pause{30};        // of a client that has shown its token
-constexpr std::chrono::seconds stranger_pause{5};     // of any other, until its header is whole
+constexpr std::chrono::seconds most_pause{
+    30};  // of a client that has shown its token; of any other, in taking an answer
+constexpr std::chrono::seconds stranger_pause{5};     // of any other, until its request is whole
 constexpr std::size_t most_queued = 8 * 1024 * 1024;  // bytes for a page that takes nothing
 constexpr std::chrono::seconds most_stalled{5};       // of a page that has so many waiting
 
@@ -209,13 +210,13 @@ private:
         }
     }
 
-    /// One that is waited for and has not yet shown a token. When there are too many, the oldest is let go.
+    /// One that has not yet shown a token, whether it is waited for or takes an answer. When there are too many, the
+    /// one that came first is let go.
     class Stranger {
     public:
         Stranger(std::list<beast::tcp_stream*>& all, beast::tcp_stream* stream) : all_(all), stream_(stream) {
-            if (stream_ == nullptr) return;
             if (all_.size() >= most_strangers) {
-                all_.front()->close();  // its wait ends with an error
+                all_.front()->close();  // what it waits for ends with an error
                 all_.pop_front();
             }
             all_.push_back(stream_);
@@ -248,6 +249,7 @@ private:
 
     net::awaitable<void> requests(beast::tcp_stream stream) {
         beast::flat_buffer buffer;
+        std::optional<Stranger> stranger(std::in_place, strangers_, &stream);
         for (bool known = false;;) {
             stream.expires_after(known ? most_pause : stranger_pause);
             http::request_parser<http::string_body> parser;
@@ -255,11 +257,7 @@ private:
             // refuse() knows the limit, and has an answer. Boost 1.74 takes "none" for 0.
             parser.body_limit(std::numeric_limits<std::uint64_t>::max());
             beast::error_code error;
-            {
-                const Stranger stranger(strangers_, known ? nullptr : &stream);
-                co_await http::async_read_header(stream, buffer, parser,
-                                                 net::redirect_error(net::use_awaitable, error));
-            }
+            co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
             if (error == http::error::header_limit) {
                 co_await answer(stream, error_answer(431, "the header is too long"), false, false);
                 co_return;
@@ -277,6 +275,7 @@ private:
             const RequestHead head = head_of(header, length, upgrade);
             std::optional<Refusal> refusal = refuse(head, access_);
             known = known || (!refusal && (upgrade || head.target.starts_with("/api/")));
+            if (known) stranger.reset();
             const bool crowded = connections_ - strangers_.size() > most_connections;
             if (!refusal && crowded && !is_stop(head)) refusal = Refusal{503, "too many connections; close some"};
             if (!refusal && upgrade && pages_ >= most_pages) refusal = Refusal{503, "too many pages; close some"};
@@ -298,7 +297,11 @@ private:
             if (error) co_return;
             auto request = parser.release();
             const bool keep_alive = request.keep_alive(), head_only = request.method() == http::verb::head;
-            stream.expires_never();  // a picture may take its time
+            // A picture may take its time, but only who has a token can ask for one.
+            if (known)
+                stream.expires_never();
+            else
+                stream.expires_after(most_pause);
             co_await answer(stream, co_await answer_to(request), head_only, keep_alive);
             if (!keep_alive) co_return;
         }

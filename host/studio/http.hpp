@@ -50,8 +50,8 @@ public:
     };
     static constexpr std::chrono::milliseconds tick_pause{50};
     static constexpr std::size_t most_connections = 32, most_pages = 8;
-    /// Clients that have not yet shown a token and say nothing: the one that has waited longest makes room. All clients
-    /// are on this machine, so that this is also the most of one peer.
+    /// Clients that have not yet shown a token: the one that came first makes room. They are not among
+    /// most_connections. All clients are on this machine, so that this is also the most of one peer.
     static constexpr std::size_t most_strangers = 64;
 
     /// Listens from now on. @param port  0: usual_port, or one that is free
