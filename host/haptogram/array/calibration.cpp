@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "haptogram/base/bundle.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
@@ -17,6 +18,8 @@ using section::quoted_text;
 using section::Section;
 
 constexpr double radians_a_degree = std::numbers::pi / 180.0;
+
+bool is_file(const std::string& array) { return array.find('/') != std::string::npos || array.ends_with(".toml"); }
 
 bool is_calibration(const toml::table& root) { return root["format"].value<std::string>() == calibration_format; }
 
@@ -76,8 +79,7 @@ Calibration load_calibration(const std::filesystem::path& path) {
     Calibration found;
     const std::string named =
         whole.required(whole.text("array"), "array", "the name of the shipped array, or the path of the array file");
-    const bool is_path = named.find('/') != std::string::npos || named.ends_with(".toml");
-    found.array = is_path ? (path.parent_path() / named).string() : named;
+    found.array = is_file(named) ? named_in(path.parent_path(), named).string() : named;
     assign(found.date, whole.text("date"));
     found.temperature_c = whole.number("temperature_c", -50.0, 100.0);
     found.speed_m_s = whole.number("speed_m_s", 100.0, 2000.0);
@@ -153,6 +155,12 @@ Array calibrated(Array array, const Calibration& calibration, const std::string&
         array.transducer.measured = calibration.measured;
     }
     return array;
+}
+
+std::optional<std::string> array_named_in(std::string_view text) {
+    const toml::table root = section::parse_text(text, "calibration");
+    const auto array = root["array"].value<std::string>();
+    return is_calibration(root) && array && is_file(*array) ? array : std::nullopt;
 }
 
 std::string array_file_of(const std::filesystem::path& path) {

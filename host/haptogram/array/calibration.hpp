@@ -55,6 +55,9 @@ struct Calibration {
 /// @throws Error{bad_input} when it has another number of elements, or two are on one channel
 [[nodiscard]] Array calibrated(Array array, const Calibration& calibration, const std::string& file);
 
+/// The array file beside it that a calibration's text names; none for a shipped array, and for any other text.
+[[nodiscard]] std::optional<std::string> array_named_in(std::string_view text);
+
 /// The array file that a file leads to: a calibration's array, and any other file itself.
 [[nodiscard]] std::string array_file_of(const std::filesystem::path& path);
 

@@ -60,17 +60,18 @@ void answer_slice(Scenes& scenes, Recipient& page, const SliceMessage& message, 
 }
 
 /// A project file's text as a document, for a page that opens one.
-Answer document_answer(const std::string& text) {
+Answer document_answer(const Scenes& scenes, const std::string& text) {
     const Project project = project_from_toml(text, "project.toml");
-    return {.body = to_text({{"document", document_of(text, "project.toml")}, {"files", files_of(project)}})};
+    return {.body =
+                to_text({{"document", document_of(text, "project.toml")}, {"files", scenes.needed_files(project)}})};
 }
 
 /// A document as a project file's text, for a page that saves one.
-Answer project_answer(const std::string& body) {
+Answer project_answer(const Scenes& scenes, const std::string& body) {
     const ordered_json document = ordered_json::parse(body, nullptr, false);
     if (document.is_discarded()) throw bad_input("document", "it is no JSON; send the document as the page has it");
     const Project project = project_from_toml(toml_of(document), "project");
-    return {.body = to_text({{"text", to_toml(project)}, {"files", files_of(project)}})};
+    return {.body = to_text({{"text", to_toml(project)}, {"files", scenes.needed_files(project)}})};
 }
 
 Answer files_answer(Scenes& scenes, Request request) {
@@ -218,8 +219,8 @@ ordered_json hello_json(const Scenes& scenes, const std::string& name) {
 }
 
 std::optional<Answer> answer_at_once(Scenes& scenes, Request request) {
-    if (request.path == "/api/document" && request.method == "POST") return document_answer(request.body);
-    if (request.path == "/api/project" && request.method == "POST") return project_answer(request.body);
+    if (request.path == "/api/document" && request.method == "POST") return document_answer(scenes, request.body);
+    if (request.path == "/api/project" && request.method == "POST") return project_answer(scenes, request.body);
     if (request.path == "/api/files") return files_answer(scenes, std::move(request));
     if (request.path == "/api/take") return take_answer(scenes, request);
     if (request.path == "/api/outline") return Answer{.body = to_text(hand_outline())};

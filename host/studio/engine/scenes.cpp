@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/array/calibration.hpp"
+#include "haptogram/base/bundle.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/import.hpp"
@@ -30,6 +32,13 @@ bool stays_inside(const std::string& name) {
     const std::filesystem::path path(name);
     return path.is_relative() && path.has_filename() &&
            std::ranges::none_of(path, [](const auto& part) { return part.empty() || part.string().front() == '.'; });
+}
+
+/// The array file that another array file names, if that is a calibration, as a project names it that names the other.
+std::optional<std::string> array_of(const std::string& name, const std::string& content) {
+    const auto array = array_named_in(content);
+    if (!array) return {};
+    return (std::filesystem::path(name).parent_path() / *array).lexically_normal().generic_string();
 }
 
 /// What only the studio's other readers know the kind of.
@@ -133,11 +142,14 @@ void Scenes::open(const std::filesystem::path& path) {
     const std::string text = read_file(named);
     Project project = load_project(path);
     std::map<std::string, File> files;
-    for (const std::string& file : files_of(project)) {
-        std::string content = read_file(project.folder / file);
+    const auto take = [&](const std::string& file) {
+        std::string content = read_file(named_in(project.folder, file));
         std::string hash = sha256(content);
         files[file] = {std::move(content), std::move(hash)};
-    }
+    };
+    for (const std::string& file : files_of(project)) take(file);
+    if (project.array && files.contains(*project.array))
+        if (const auto behind = array_of(*project.array, files[*project.array].content)) take(*behind);
     ordered_json document = document_of(text, named.string());
     const std::lock_guard lock(mutex_);
     files_.merge(files);
@@ -194,12 +206,28 @@ void Scenes::find_file(std::string& name, const std::string& opened, std::string
         throw bad_input(name, "the studio was not started with it; drop it onto the page");
 }
 
+std::optional<std::string> Scenes::array_behind(const std::string& name) const {
+    const auto known = files_.find(name);
+    return known == files_.end() ? std::nullopt : array_of(name, known->second.content);
+}
+
+std::vector<std::string> Scenes::needed_files(const Project& project) const {
+    std::vector<std::string> files = files_of(project);
+    const std::lock_guard lock(mutex_);
+    if (!project.array || !names_file(*project.array)) return files;
+    if (const auto behind = array_behind(*project.array)) files.push_back(*behind);
+    return files;
+}
+
 Project Scenes::project_of(const std::string& text, std::string& identity) const {
     Project project = project_from_toml(text, "project");
     const std::lock_guard lock(mutex_);
     project.folder = opened_.folder;
     identity = text;
-    if (project.array && names_file(*project.array)) find_file(*project.array, opened_.array.value_or(""), identity);
+    if (project.array && names_file(*project.array)) {
+        if (const auto behind = array_behind(*project.array)) identity += file_of(*behind).hash;
+        find_file(*project.array, opened_.array.value_or(""), identity);
+    }
     if (project.board && names_file(*project.board)) find_file(*project.board, opened_.board.value_or(""), identity);
     if (!project.path.empty()) find_file(project.path, opened_.path, identity);
     for (const std::string kind : {"wav:", "csv:"}) {

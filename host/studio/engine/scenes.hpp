@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "haptogram/base/process.hpp"
 #include "haptogram/verbs/compile.hpp"
@@ -85,6 +86,9 @@ public:
     /// @throws Error{bad_input} when there is none of that name
     [[nodiscard]] std::string file(const std::string& name) const;
 
+    /// The files that a project needs: those that it names, and the array that its calibration names.
+    [[nodiscard]] std::vector<std::string> needed_files(const Project& project) const;
+
     /// Compiles a document, unless it is one of the scenes already.
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
     /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
@@ -108,6 +112,8 @@ private:
     /// Where a file that a project names is read from: what was sent, else what was opened.
     void find_file(std::string& name, const std::string& opened, std::string& identity) const;
     [[nodiscard]] std::string hash_of(const std::string& name) const;
+    /// The array file that an array file names, if it is a calibration that is known.
+    [[nodiscard]] std::optional<std::string> array_behind(const std::string& name) const;
     std::shared_ptr<const DrawnObject> open_hand(Project& project, std::string& identity);
     template <class What, class Open>
     std::shared_ptr<const What> opened(Opened<What>& known, const std::string& name, const Open& open);
