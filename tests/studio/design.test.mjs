@@ -44,7 +44,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
       const part = (box.width * box.height) / (width * height);
       t.diagnostic(`${step}: the view has ${(100 * part).toFixed(0)} % of ${width} × ${height}`);
       assert.ok(part >= least && box.y < 60);
-      for (const always of ["#stop", "button.play", "[data-verdict-of-feel]", `[data-step=${step}]`]) await inside(always);
+      for (const always of ["#stop", "button.play", "[data-verdict-of-feel]", `[data-step=${step}]`, "#board", "footer"]) await inside(always);
+      assert.match(await page.locator("footer span").first().innerText(), /^example: 200 focal points/);
       assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, "nothing stands out at the side");
       await page.evaluate(() => document.querySelectorAll("details.more").forEach((each) => (each.open = true)));
       const cut = await page.evaluate(() =>
@@ -64,6 +65,11 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
       await accessible(page);
       await keptPicture(page, `design-${step}-${width}-${theme}`);
     }
+    await page.locator("button.play").click();
+    await boardSays(page, "Virtual board, outputs ON");
+    await inside("#board");
+    await page.locator("#stop").click();
+    await boardSays(page, "outputs off");
   });
 
 test("panels fold, are widened by keys, and stay so", async (t) => {
@@ -92,12 +98,17 @@ test("a first visit has hints, which go and stay away", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio, { firstVisit: true });
   await settled(page);
-  assert.equal(await page.locator(".hints p, .hint-card").count(), 3);
+  assert.equal(await page.locator(".hints p").count(), 3);
+  await accessible(page);
   await picture(page, "first-visit");
+  await page.setViewportSize({ width: 1000, height: 700 });
+  await page.reload();
+  await settled(page);
+  for (let i = 0; i < 3; i++) assert.ok(await page.locator(".hints p").nth(i).isVisible(), "a narrow window has all three, too");
   await page.getByRole("button", { name: "Got it" }).click();
   await page.reload();
   await settled(page);
-  assert.equal(await page.locator(".hints, .hint-card").count(), 0);
+  assert.equal(await page.locator(".hints").count(), 0);
   // The theme is the system's, until another is chosen.
   const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
   await page.emulateMedia({ contrast: "more" });
@@ -161,6 +172,78 @@ test("a bundle from the page is what the command line takes, and the page opens 
     assert.equal(await saveBundle(other, join(where, "again.haptogram")), "heap.haptogram");
     assert.deepEqual(readFileSync(join(where, "again.haptogram")), readFileSync(join(where, "heap.haptogram")), "the same bytes");
   }
+});
+
+/** A sound of 16 bits, one channel: half a period of 20 Hz. */
+function wav() {
+  const samples = Array.from({ length: 200 }, (_, i) => Math.round(20_000 * Math.sin((Math.PI * i) / 200)));
+  const bytes = Buffer.alloc(44 + 2 * samples.length);
+  bytes.write("RIFF", 0);
+  bytes.writeUInt32LE(bytes.length - 8, 4);
+  bytes.write("WAVEfmt ", 8);
+  bytes.writeUInt32LE(16, 16);
+  bytes.writeUInt16LE(1, 20);
+  bytes.writeUInt16LE(1, 22);
+  bytes.writeUInt32LE(8000, 24);
+  bytes.writeUInt32LE(16_000, 28);
+  bytes.writeUInt16LE(2, 32);
+  bytes.writeUInt16LE(16, 34);
+  bytes.write("data", 36);
+  bytes.writeUInt32LE(2 * samples.length, 40);
+  samples.forEach((value, i) => bytes.writeInt16LE(value, 44 + 2 * i));
+  return bytes;
+}
+
+test("a dropped file becomes what is in it: a path, a sound, a curve, a hand, a calibration with its array", async (t) => {
+  const where = await folder(t);
+  writeFileSync(join(where, "four.toml"), 'format = "haptogram-project-1"\npoints = 4\n[[shape]]\nkind = "circle"\n');
+  const page = await openPage(t, await startBrowser(t), await startStudio(t, join(where, "four.toml")), { allowed: /status of 422/ });
+  await settled(page);
+  const files = {
+    "way.csv": "\ufeff# by hand\nx_mm,y_mm,z_mm,time_s\n0,0,130,0\n10,0,130,0.1\n0,0,130,0.2\n",
+    "beat.wav": wav(),
+    "curve.csv": "time_ms,amplitude\n0,0\n5,1\n10,0\n",
+    "my.toml": 'name = "mine"\n[array]\nrows = 2\ncolumns = 2\npitch_mm = 10.5\ncarrier_hz = 40000\nduty = 0.5\n[transducer]\nradius_mm = 4.5\nsource_pa_m = 4\n',
+    "cal.toml": `format = "haptogram-calibration-1"\narray = "my.toml"\n${"\n[[element]]\ngain = 1.0\n".repeat(4)}`,
+  };
+  for (const [name, bytes] of Object.entries(files)) writeFileSync(join(where, name), bytes);
+  await run("render", "sphere", "--hand", "synthetic:press", "--frame", 100, "--points", 20, "-o", join(where, "path.json"));
+  /** Drops them; the page's project and its image, which must be the command line's of the saved bundle. */
+  const dropped = async (...names) => {
+    await drop(page, names.map((name) => ({ name, bytes: readFileSync(join(where, name)) })));
+    let project = "";
+    await eventually(async () => {
+      await settled(page);
+      project = await shapeOf(page);
+      return names.some((name) => project.includes(name));
+    }, () => `${project}, ${names}`);
+    await saveBundle(page, join(where, "now.haptogram"));
+    await run("compile", join(where, "now.haptogram"), "-o", join(where, "now.hex"));
+    assert.equal(String(await takeAway(page, "Image")), readFileSync(join(where, "now.hex"), "utf8"), project);
+    return project;
+  };
+  let project = await dropped("beat.wav");
+  assert.match(project, /am = "wav:beat\.wav"/);
+  assert.match(project, /kind = "circle"/, "the shape stays");
+  assert.equal(await field(page, "Modulation").locator("option:checked").innerText(), "sound of beat.wav");
+  project = await dropped("curve.csv");
+  assert.match(project, /am = "csv:curve\.csv"/);
+  await field(page, "Modulation").selectOption("");
+  project = await dropped("cal.toml", "my.toml");
+  assert.match(project, /array = "cal\.toml"/);
+  assert.deepEqual(namesIn(join(where, "now.haptogram")), ["cal.toml", "my.toml", "project.toml"]);
+  await field(page, "Array").selectOption("tile-10x10");
+  project = await dropped("way.csv");
+  assert.match(project, /path = "way\.csv"/);
+  assert.doesNotMatch(project, /shape/);
+  project = await dropped("path.json");
+  assert.match(project, /path = "path\.json"/);
+  // What is wrong is told by the file's name and the page's labels, without folders of this machine.
+  await drop(page, [{ name: "no.wav", bytes: Buffer.from("RIFFxxxx") }]);
+  await page.locator(".failed", { hasText: "no.wav" }).waitFor();
+  assert.doesNotMatch(await page.locator(".failed").innerText(), /\/tmp|\//);
+  await page.keyboard.press("Control+z");
+  await page.locator(".failed").waitFor({ state: "detached" });
 });
 
 test("a project with its files is opened, with an array and a waveform of its own", async (t) => {
@@ -254,6 +337,8 @@ test("work outlives a reload, with its steps and its files, and is offered when 
   const next = await page.context().newPage();
   await next.goto(studio.address);
   await next.locator(".card", { hasText: "was not saved as a file" }).waitFor();
+  await settled(next);
+  await accessible(next);
   await next.getByRole("button", { name: "Restore it" }).click();
   await next.locator(".file", { hasText: "cloud.xyz" }).waitFor();
   await next.locator("footer", { hasText: "4 focal points" }).waitFor();

@@ -51,6 +51,30 @@ test("a shape moves from key frame to key frame, and its image is the command li
   writeFileSync(bundle, await takeAway(page, "Bundle (.haptogram)"));
   await run("compile", bundle, "-o", join(where, "moves.hex"));
   assert.equal(String(await takeAway(page, "Image (.hex)")), readFileSync(join(where, "moves.hex"), "utf8"));
+  // In the timeline a key frame is moved by the pointer and by keys, no further than its neighbours, and is one step back.
+  const handle = (number) => page.getByRole("slider", { name: `Time of key frame ${number}` });
+  const lane = await page.locator(".lane").boundingBox();
+  const grip = await handle(2).boundingBox();
+  assert.ok(Math.abs(grip.x + grip.width / 2 - (lane.x + 0.5 * lane.width)) < 3, "it stands at half of the pass");
+  await page.mouse.move(grip.x + grip.width / 2, grip.y + grip.height / 2);
+  await page.mouse.down();
+  for (const part of [0.55, 0.65, 0.75]) await page.mouse.move(lane.x + part * lane.width, grip.y + 5);
+  await page.mouse.up();
+  await eventually(async () => Math.abs(Number(await handle(2).getAttribute("aria-valuenow")) - 0.75) < 0.01);
+  await settled(page);
+  await page.getByRole("button", { name: /Key frame 2, at 0\.7/ }).and(page.locator("[aria-pressed=true]")).waitFor();
+  await page.keyboard.press("Control+z");
+  await hasValue(page.getByLabel("At", { exact: true }), "0.5");
+  await handle(2).press("ArrowRight");
+  await hasValue(page.getByLabel("At", { exact: true }), "0.51");
+  for (let i = 0; i < 6; i++) await handle(2).press("Shift+ArrowRight");
+  await hasValue(page.getByLabel("At", { exact: true }), "0.999");
+  for (let i = 0; i < 7; i++) await page.keyboard.press("Control+z");
+  await hasValue(page.getByLabel("At", { exact: true }), "0.5");
+  await handle(3).click();
+  await page.locator(".scrubber", { hasText: /: 2\d\.\d, / }).waitFor(); // 25 mm to the right there
+  await page.getByRole("button", { name: "Key frame 2, at 0.5 s" }).click();
+  await settled(page);
   // What cannot be is said; what is undone is as before.
   await fill(page, "At", 9);
   await page.locator(".wrong-value", { hasText: "At: “9” is no number of 0.001 to 0.999 s; 0.5 stays." }).waitFor();

@@ -355,6 +355,12 @@ test("a document that makes no sense is explained, and undone", async (t) => {
   await page.getByRole("button", { name: "Undo" }).click();
   await page.locator(".failed").waitFor({ state: "detached" });
   await settled(page);
+  // By the page's label, not by the project's key.
+  await page.getByLabel("Shape", { exact: true }).selectOption("circle");
+  await settled(page);
+  await page.getByLabel("Strongest", { exact: true }).selectOption("+z");
+  await page.locator(".failed", { hasText: "all focal points are at one z" }).waitFor();
+  assert.equal(await page.locator(".failed strong").innerText(), "Strongest");
 });
 
 test("messages that make no sense end the connection, and nothing else", async (t) => {
@@ -384,6 +390,7 @@ test("the server is started again, and the page goes on", async (t) => {
   await settled(page);
   studio.child.kill("SIGKILL");
   await page.locator("#banner", { hasText: "The server is gone" }).waitFor();
+  await accessible(page);
   await picture(page, "server-gone");
   await studio.ended;
   const second = await startStudio(t, "--port", port);

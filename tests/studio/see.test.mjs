@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, eventually, folder, hasValue, lookedAt, openPage, panel, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, eventually, folder, hasValue, keptPicture, lookedAt, openPage, panel, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
 async function fill(page, label, value) {
@@ -91,6 +91,19 @@ test("the timeline runs in slow motion, and a mark holds it", async (t) => {
   await field(page, "Focal point").press("Home");
   await page.getByRole("button", { name: "Run" }).waitFor();
   await page.locator(".scrubber").getByText("1 of 8").waitFor();
+  // Who wants little motion sees four steps a second at most, and nothing that turns.
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await page.evaluate(() => {
+    window.steps = 0;
+    new MutationObserver(() => window.steps++).observe(document.querySelector(".scrubber output"), { childList: true, characterData: true, subtree: true });
+  });
+  await page.getByRole("button", { name: "Run" }).click();
+  const [begun, before] = [performance.now(), await page.evaluate(() => window.steps)];
+  await page.waitForTimeout(2000);
+  const [steps, seconds] = [(await page.evaluate(() => window.steps)) - before, (performance.now() - begun) / 1000];
+  assert.ok(steps >= 2 && steps <= 4 * seconds + 2, `${steps} steps in ${seconds} s`);
+  await fill(page, "Focal points", 9);
+  assert.deepEqual(await page.evaluate(() => document.getAnimations().length), 0);
 });
 
 test("a running timeline moves the focus on the board", async (t) => {
@@ -122,7 +135,7 @@ for (const colorScheme of ["light", "dark"])
     await page.locator(".scrubber").getByText("of 100:").waitFor();
     await settled(page);
     await accessible(page);
-    await picture(page, `findings-${colorScheme}`);
+    await keptPicture(page, `findings-${colorScheme}`);
     await finding.getByRole("button", { name: /^Take \d+ points/ }).click();
     await finding.waitFor({ state: "detached" });
     await settled(page);
@@ -254,7 +267,7 @@ for (const colorScheme of ["light", "dark"])
     const expected = pulses.filter((pulse) => pulse[1] >= first && pulse[1] < first + 2500).length;
     await pins.getByText(`for record 2: ${expected} pulses`).waitFor();
     await accessible(page);
-    await picture(page, `pins-${colorScheme}`);
+    await keptPicture(page, `pins-${colorScheme}`);
     await fill(page, "Focal points", 9);
     await pins.getByText("of an older image").waitFor();
   });

@@ -152,6 +152,26 @@ test("all that a static page shows is accessible, and it says what it leaves out
   for (const title of ["Board", "Pins"]) assert.match(await panel(page, title).innerText(), /haptogram studio NAME\.haptogram/);
   assert.match(await panel(page, "Take away").innerText(), /bitstreams by the program/);
   assert.equal(await page.getByRole("button", { name: "Field (.png)" }).count(), 0);
+  assert.match(await panel(page, "Take away").innerText(), /Pictures \(\.png\) of the field are drawn by the program/);
+  await page.locator("section", { hasText: /Studies are run, and what a hand scatters of the sound is computed, by the program/ }).waitFor();
+});
+
+test("a static page is accessible with a hand, with findings and when something fails", { skip }, async (t) => {
+  const page = await openSite(t);
+  await page.getByLabel("Passes a second", { exact: true }).fill("400");
+  await page.keyboard.press("Enter");
+  await settled(page);
+  await lookedAt(page);
+  await page.locator(".findings li").first().waitFor();
+  assert.ok((await accessible(page)) > 10);
+  await page.getByLabel("Focal points", { exact: true }).fill("60000");
+  await page.keyboard.press("Enter");
+  await page.locator(".failed").waitFor();
+  assert.ok((await accessible(page)) > 10);
+  await openDesign(page, "Touched ball");
+  await page.locator("footer", { hasText: "Touched ball: " }).waitFor();
+  await settled(page);
+  assert.ok((await accessible(page)) > 10);
 });
 
 test("a static page in a browser without serial ports says where boards are reached", { skip }, async (t) => {

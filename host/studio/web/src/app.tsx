@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import { Hand, Maximize, PanelLeft, PanelRight } from "lucide-preact";
 import { render } from "preact";
 import { actionsOf } from "./actions";
-import { Board, tellBoard } from "./board";
+import { Board, LeftOut, tellBoard } from "./board";
 import { Compare } from "./compare";
 import { edit, endGesture, isSaved, project, redo, undo } from "./document";
 import { takeDrops } from "./dropping";
@@ -154,7 +154,7 @@ function Page({ actions }: { actions: Actions }) {
       <aside id="right" aria-label="Properties" hidden={right} tabIndex={0}>
         {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties actions={actions} />}</>}
         {step === "See" && <><SliceControls actions={actions} /><ProfilePlot actions={actions} /><Numbers /></>}
-        {step === "Play" && <><Board actions={actions} /><Live actions={actions} /></>}
+        {step === "Play" && <><Board actions={actions} /><Live actions={actions} /><LeftOut /></>}
       </aside>
       <Feel actions={actions} />
       <Timeline actions={actions} />
@@ -183,6 +183,7 @@ function Restore({ actions }: { actions: Actions }) {
         <div class="card hints">
           <p><b>This shape is made of air:</b> points of ultrasound, drawn in turn. Take another from the gallery, or drop a file.</p>
           {boards.value === "program" && <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>}
+          <p><b>What it will feel like:</b> the bar should lie right of the mark “just felt”. If it does not, ways to mend it stand below it.</p>
           {boards.value === "serial" && <p><b>Play</b> asks for a board at a USB port of yours. STOP or Esc turns its outputs off.</p>}
           <button type="button" onClick={hinted}>Got it</button>
         </div>

@@ -4,7 +4,7 @@ import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
 import { project } from "./document";
 import type { Device } from "./link";
-import { type Actions, boards, state } from "./state";
+import { type Actions, boards, noProgram, state } from "./state";
 import { Firing } from "./triggers";
 
 function boardWords(device: Device): string {
@@ -125,6 +125,12 @@ export function Board({ actions }: { actions: Actions }) {
       )}
     </Panel>
   );
+}
+
+/** What has no place of its own in a page without the program. */
+export function LeftOut() {
+  if (!noProgram.value) return null;
+  return <Panel title="Studies, scattering"><NeedsProgram what="Studies are run, and what a hand scatters of the sound is computed," /></Panel>;
 }
 
 /** Says what this page leaves out, and how to have it. */

@@ -2,7 +2,7 @@
 // Opens and saves designs: bundles, projects with their files, shapes, and what the browser kept.
 import { isProject, pack, type Parts, projectName, unpack } from "./bundle";
 import { designName, edit, having, history, markSaved, open, project } from "./document";
-import { withFiles } from "./dropping";
+import { kindOf, withFiles } from "./dropping";
 import { type Design, filesOf, offered } from "./keeper";
 import type { Session } from "./session";
 import type { Link, Point } from "./link";
@@ -36,7 +36,8 @@ export class Files {
     const before = project.value;
     if (!before || files.length === 0) return;
     state.chosen.value = undefined;
-    edit(withFiles(before, files.map(({ name }) => name)));
+    const kinds = await Promise.all(files.map(kindOf));
+    edit(withFiles(project.peek() ?? before, kinds));
     this.session.ask(); // a file of the same name may have new contents
   }
 

@@ -7,9 +7,9 @@ import { edit, endGesture, having, type HandTable, project, type ProjectDocument
 import { ofAllFrames } from "./hand_reader";
 import { InstrumentFields, Strength } from "./instrument";
 import type { FrameReport } from "./link";
+import { Modulation } from "./modulation";
 import { touchedAt } from "./placing";
 import { short } from "./quantity";
-import { modulations } from "./shape";
 import { type Actions, state } from "./state";
 
 interface WithDocument {
@@ -93,7 +93,6 @@ function Touched({ actions, now, hand }: WithDocument) {
       <Choice label="Kind" value={object} choices={[...kinds, ...(kinds.includes(object) ? [] : [object])].map((kind) => [kind, kind])} onValue={(kind) => change(now, { object: kind, unit: undefined, height_mm: undefined, size_mm: kinds.includes(object) ? hand.size_mm : undefined })} />
       {file && <Choice label="Unit of the file" value={hand.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(now, { unit })} />}
       {object !== "half-space" && <MaybeField label="Size" unit="mm" empty={file ? "its own" : "100"} value={hand.size_mm} least={0.001} onValue={(size_mm) => change(now, { size_mm })} />}
-      {file && <p class="hint">An extent of 0 leaves the size as it is.</p>}
       {withHeight.includes(object) && <NumberField label="Height" unit="mm" value={hand.height_mm ?? hand.size_mm ?? 100} least={0.001} onValue={(height_mm) => change(now, { height_mm })} />}
       <PointField label="Centre" each="Centre" unit="mm" value={centre} onValue={(center_mm) => change(now, { center_mm })} />
       <PointField label="Turn about" each="Turn about" unit="°" step={5} value={turned} onValue={(rotate_deg) => change(now, { rotate_deg })} />
@@ -108,7 +107,7 @@ function Touched({ actions, now, hand }: WithDocument) {
 
 const paces: [string, string][] = [["", "the algorithm's own"], ["speed_m_s", "speed of the focus"], ["frequency_hz", "passes a second"]];
 
-function Algorithm({ now, hand }: Omit<WithDocument, "actions">) {
+function Algorithm({ actions, now, hand }: WithDocument) {
   const hello = state.hello.value;
   const pace = now.speed_m_s !== undefined ? "speed_m_s" : now.frequency_hz !== undefined ? "frequency_hz" : "";
   const set = (changes: Parameters<typeof having>[1]): void => edit(having(now, changes));
@@ -120,7 +119,7 @@ function Algorithm({ now, hand }: Omit<WithDocument, "actions">) {
       {pace === "frequency_hz" && <NumberField label="Passes a second" unit="Hz" value={now.frequency_hz ?? 30} least={0.000001} onValue={(frequency_hz) => set({ frequency_hz })} />}
       <Choice label="Between lines" value={String(now["jump"] ?? "hop")} choices={[["hop", "hop at once"], ["blank", "silent on the way"]]} onValue={(jump) => set({ jump: jump === "hop" ? undefined : jump })} />
       <NumberField label="Points of a pass" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => set({ points })} />
-      <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => set({ am: am || undefined })} />
+      <Modulation actions={actions} now={now} set={set} />
       <Strength now={now} set={set} />
       <InstrumentFields hello={hello} now={now} set={set} />
     </Panel>
@@ -150,7 +149,7 @@ export function HandSettings({ actions, now, hand }: WithDocument) {
     <>
       <Recording now={now} hand={hand} />
       <Frames actions={actions} now={now} hand={hand} />
-      <Algorithm now={now} hand={hand} />
+      <Algorithm actions={actions} now={now} hand={hand} />
       <Touched actions={actions} now={now} hand={hand} />
       <Path actions={actions} now={now} />
       <Panel title="Without a hand">

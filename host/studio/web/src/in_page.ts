@@ -5,18 +5,7 @@ import { type Event, Link, type Message, wrongIn } from "./link";
 import { PageBoard } from "./page_board";
 import { hasSerial } from "./serial";
 import { SlowWork } from "./slow_work";
-
-/** What a Worker is told: a message, or a request that it answers by its number. */
-export type ToWorker = { message: string } | { request: number; method: string; target: string; body: ArrayBuffer };
-/** What it tells: that it is there or cannot be, an answer to a message as text or in bulk, or to a request. */
-export type FromWorker = { ready: true } | { lost: string } | { text: string } | { bulk: ArrayBuffer } | { request: number; status: number; body: ArrayBuffer };
-
-export function startWorker(told: (told: FromWorker) => void): Worker {
-  const worker = new Worker("worker.js", { type: "module" });
-  worker.onmessage = ({ data }: MessageEvent<FromWorker>) => told(data);
-  worker.onerror = ({ message }) => told({ lost: message });
-  return worker;
-}
+import { type FromWorker, startWorker, type ToWorker } from "./workers";
 
 const takesLong = (target: string): boolean => target.startsWith("/api/field") || target.startsWith("/api/report");
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Key frames: where the shape is, and how strong, at times between which it moves.
+import { useState } from "preact/hooks";
 import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./controls";
-import { edit, having, type KeyFrame, type ProjectDocument } from "./document";
+import { edit, endGesture, having, type KeyFrame, project, type ProjectDocument } from "./document";
 import { formsFor, withForm, withoutOldForms } from "./placing";
 import { type Actions, state } from "./state";
-import { entryAt } from "./timeline";
+import { entryAt } from "./tour";
 
 const eases = [["linear", "goes on evenly"], ["smooth", "goes on gently"], ["step", "stays until the next"]] as const;
 const fewPoints = 20; // each focal point of each pass is one that the board must hold
@@ -17,6 +18,64 @@ function brief(frame: KeyFrame): KeyFrame {
 }
 
 const rounded = (seconds: number): number => Number(seconds.toFixed(3));
+
+/** Between its neighbours; the first stays at 0. */
+function limitsOf(frames: KeyFrame[], at: number): [number, number] {
+  const next = frames[at + 1];
+  return at === 0 ? [0, 0] : [rounded((frames[at - 1]?.time_s ?? 0) + 0.001), next ? rounded(next.time_s - 0.001) : 3600];
+}
+
+/** Edits a key frame, and marks where the pass is then. */
+function choose(actions: Actions, i: number): void {
+  state.keyFrame.value = i;
+  const [scene, frame] = [state.scene.peek(), project.peek()?.keyframe?.[i]];
+  if (scene && frame && state.current.peek() && scene.tour.length > 0) actions.mark(entryAt(scene, Math.min(frame.time_s, scene.pass_s)));
+}
+
+/** A key frame in the timeline: a click chooses it, dragging and arrow keys move it. @param shown  the times at the timeline's ends */
+export function KeyHandle({ actions, number, shown, lane }: { actions: Actions; number: number; shown: { from: number; to: number }; lane: { current: Element | null } }) {
+  const [held, setHeld] = useState<{ x: number; time: number; perPixel: number }>();
+  const frames = project.value?.keyframe ?? [];
+  const time = frames[number]?.time_s ?? 0;
+  const part = (time - shown.from) / (shown.to - shown.from);
+  if (!held && (part < -1e-6 || part > 1 + 1e-6)) return null;
+  const [least, most] = limitsOf(frames, number);
+  const move = (to: number): void => {
+    const now = project.peek();
+    const time_s = Math.min(most, Math.max(least, rounded(to)));
+    if (now) edit(having(now, { keyframe: frames.map((each, i) => (i === number ? { ...each, time_s } : each)) }), `key frame ${number}`);
+  };
+  const take = (event: PointerEvent): void => {
+    const width = lane.current?.getBoundingClientRect().width ?? 0;
+    if (event.button !== 0 || width === 0) return;
+    event.preventDefault();
+    (event.currentTarget as Element).setPointerCapture(event.pointerId);
+    (event.currentTarget as HTMLElement).focus();
+    setHeld({ x: event.clientX, time, perPixel: (shown.to - shown.from) / width });
+    state.step.value = "Make";
+    choose(actions, number);
+  };
+  const letGo = (): void => {
+    setHeld(undefined);
+    endGesture();
+  };
+  const key = (event: KeyboardEvent): void => {
+    const way = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (event.key === "Enter") choose(actions, number);
+    if (way === 0) return;
+    event.preventDefault();
+    state.keyFrame.value = number;
+    move(time + way * (event.shiftKey ? 0.1 : 0.01));
+    endGesture();
+  };
+  return (
+    <div
+      class={state.keyFrame.value === number ? "key-handle chosen" : "key-handle"} role="slider" tabIndex={0} style={{ left: `${100 * Math.min(1, Math.max(0, part))}%` }}
+      aria-label={`Time of key frame ${number + 1}`} aria-valuemin={least} aria-valuemax={most} aria-valuenow={time} aria-valuetext={`${time} s`} title={number === 0 ? "The first key frame" : `Key frame ${number + 1}: drag it to another time`}
+      onPointerDown={take} onPointerMove={(event) => held && number > 0 && event.clientX !== held.x && move(held.time + (event.clientX - held.x) * held.perPixel)} onPointerUp={letGo} onPointerCancel={letGo} onKeyDown={key}
+    />
+  );
+}
 
 export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocument }) {
   const frames = now.keyframe ?? [];
@@ -35,11 +94,6 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
   const at = Math.min(state.keyFrame.value, frames.length - 1);
   const frame = frames[at] ?? { time_s: 0 };
   const change = (changes: { [Key in keyof KeyFrame]?: KeyFrame[Key] | undefined }): void => put(frames.map((each, i) => (i === at ? { ...brief({ ...each, ...changes } as KeyFrame), time_s: changes.time_s ?? each.time_s } : each)));
-  const choose = (i: number): void => {
-    state.keyFrame.value = i;
-    const scene = state.scene.value;
-    if (scene && state.current.value && scene.tour.length > 0) actions.mark(entryAt(scene, Math.min(frames[i]?.time_s ?? 0, scene.pass_s)));
-  };
   const next = frames[at + 1];
   const add = (): void => {
     const time_s = rounded(next ? (frame.time_s + next.time_s) / 2 : frame.time_s + 1);
@@ -51,7 +105,7 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
     const left = frames.filter((_, i) => i !== at).map((each, i) => (i === 0 ? { ...each, time_s: 0 } : each));
     put(left.length > 1 ? left : undefined);
   };
-  const [least, most] = [(frames[at - 1]?.time_s ?? 0) + 0.001, next ? next.time_s - 0.001 : 3600];
+  const [least, most] = limitsOf(frames, at);
   const become = (form: string): void => {
     if (form === "" || Number(form) > 0) return change({ shape: form === "" ? undefined : Number(form) });
     const more = withForm(now, form);
@@ -60,10 +114,10 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
   return (
     <Panel title="Movement">
       <div class="buttons keys" role="group" aria-label="Key frames">
-        {frames.map((each, i) => <button key={i} type="button" aria-pressed={i === at} aria-label={`Key frame ${i + 1}, at ${each.time_s} s`} onClick={() => choose(i)}>{each.time_s} s</button>)}
+        {frames.map((each, i) => <button key={i} type="button" aria-pressed={i === at} aria-label={`Key frame ${i + 1}, at ${each.time_s} s`} onClick={() => choose(actions, i)}>{each.time_s} s</button>)}
         <button type="button" onClick={add} aria-label="Add a key frame after this one">+</button>
       </div>
-      {at > 0 && <NumberField label="At" unit="s" value={frame.time_s} step={0.1} least={rounded(least)} most={rounded(most)} onValue={(time_s) => change({ time_s: rounded(time_s) })} />}
+      {at > 0 && <NumberField label="At" unit="s" value={frame.time_s} step={0.1} least={least} most={most} onValue={(time_s) => change({ time_s: rounded(time_s) })} />}
       <Choice label="It has become" value={String(frame.shape ?? "")} choices={formsFor(now, state.hello.value?.primitives ?? [])} onValue={become} />
       <PointField label="Moved by" each="Moved by" unit="mm" value={frame.move_mm ?? [0, 0, 0]} onValue={(move_mm) => change({ move_mm })} />
       <NumberField label="Grown to" unit="×" value={frame.scale ?? 1} step={0.1} least={0.01} most={100} onValue={(scale) => change({ scale })} />

@@ -6,7 +6,7 @@ import { NeedsProgram } from "./board";
 import { commands } from "./commands";
 import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
 import { designName, edit, having, project } from "./document";
-import type { Point, SliceData } from "./link";
+import type { Failure, Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
 import { type Actions, boardOf, type Handles, noProgram, shownRecord, state } from "./state";
 import type { Orientation } from "./view";
@@ -47,6 +47,7 @@ export function TakeAway({ actions }: WithActions) {
       <div class="buttons">
         {fieldFiles.filter((as) => as !== "png" || !noProgram.value).map((as) => <button key={as} type="button" disabled={!ready || told.field === undefined || state.writing.value} onClick={() => void actions.takeField(as)}>Field (.{as})</button>)}
       </div>
+      {noProgram.value && <NeedsProgram what="Pictures (.png) of the field are drawn" />}
       {told.field === undefined && <p class="hint">The plane lies askew; files are of planes along the axes.</p>}
       <h3>The same by command</h3>
       <pre class="command" tabIndex={0} aria-label="Commands that make these files">{told.text}</pre>
@@ -162,11 +163,33 @@ export function ScaleBar() {
   return <p class="scale"><span>{length} mm</span><i style={{ width: `${Math.round(length / mm)}px` }} /></p>;
 }
 
+/** What the page calls the keys and options that a failure may be about. */
+const labels: Record<string, string> = {
+  points: "Focal points", rate: "Passes a second", rate_hz: "Passes a second", speed: "Speed", speed_m_s: "Speed", frequency: "Drawings a second", frequency_hz: "Drawings a second",
+  am: "Modulation", am_law: "Modulation", amplitude: "Amplitude", fade: "Strongest", magnitude: "Amplitude", array: "Array", board: "For board", loops: "Passes in all", even: "All points feel alike",
+  keyframe: "Movement", trigger: "Triggers", path: "Path", shape: "Object", place: "Place", size: "Size", center: "Centre", rotate: "Turn about", hand: "Hand", project: "The design",
+};
+
+/** Where a failure is, in the page's words: a label, or a file's name, without the folders of this machine. */
+function placeOf(where: string): string {
+  const [, place = "", line] = where.match(/^(.*?)(?::(\d+))?$/) ?? [];
+  const known = labels[place.replace(/^-+/, "")];
+  if (known !== undefined) return known;
+  const name = place.startsWith("/dev/") ? place : place.slice(place.lastIndexOf("/") + 1);
+  return line === undefined ? name : `${name}, line ${line}`;
+}
+
+/** The same folder may stand in the words, too. */
+function wordsOf({ where, message }: Failure): string {
+  const folder = where.startsWith("/") && !where.startsWith("/dev/") ? where.slice(0, where.lastIndexOf("/") + 1) : "";
+  return folder.length > 1 ? message.replaceAll(folder, "") : message;
+}
+
 export function Failed() {
   const failure = state.failure.value;
   if (!failure) return null;
   const clips = failure.remedies?.includes("clip");
-  return <p class="failed" role="alert"><strong>{failure.where}</strong> {failure.message} {clips && <button type="button" onClick={() => project.value && edit(having(project.value, { clip: true }))}>Leave out what is out of reach</button>} <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button></p>;
+  return <p class="failed" role="alert"><strong>{placeOf(failure.where)}</strong> {wordsOf(failure)} {clips && <button type="button" onClick={() => project.value && edit(having(project.value, { clip: true }))}>Leave out what is out of reach</button>} <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button></p>;
 }
 
 export function Status() {

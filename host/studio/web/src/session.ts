@@ -97,7 +97,7 @@ export class Session {
     const entry = scene?.tour[at];
     if (!scene || !entry) return;
     state.at.value = at;
-    this.view?.showFocus(entry.at);
+    this.showFocus();
     this.pins.show();
     this.drives.ask({ t: "drives", scene: scene.name, record: entry.record }, true);
     if (state.alone.peek()) this.slicer.ask(true);
@@ -124,14 +124,18 @@ export class Session {
     this.view?.showScene(scene, of?.hand === undefined); // the hand has its own drawing of the focal points
   }
 
-  /** While the board plays a sequence, the view shows where it is, unless a point is marked. */
+  /** While the board plays a sequence, the view shows where it is; else the marked point. */
   private followBoard({ status }: Device): void {
     const scene = state.scene.peek();
-    if (!scene || state.at.peek() !== undefined) return;
+    if (!scene) return;
     const plays = status?.outputs === "on" && status.mode === "sequence" && state.played.peek() === scene.name;
     const at = plays ? scene.tour.findIndex(({ index }) => index === status.index) : -1;
     state.playsPoint.value = at < 0 ? undefined : at;
-    this.view?.showFocus(scene.tour[at]?.at);
+    this.showFocus();
+  }
+
+  private showFocus(): void {
+    this.view?.showFocus(state.scene.peek()?.tour[state.playsPoint.peek() ?? state.at.peek() ?? -1]?.at);
   }
 
   private unmark(): void {
@@ -139,7 +143,8 @@ export class Session {
     this.drives.lose();
     state.at.value = undefined;
     state.drives.value = undefined;
-    this.view?.showFocus(undefined);
+    state.playsPoint.value = undefined;
+    this.showFocus();
     this.view?.showDrives(undefined);
   }
 

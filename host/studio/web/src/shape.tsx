@@ -5,6 +5,7 @@ import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./
 import { HandSettings } from "./hand";
 import { InstrumentFields, Strength } from "./instrument";
 import { KeyFrames } from "./key_frames";
+import { Modulation } from "./modulation";
 import { PathPanel } from "./path";
 import { moved, nameOf, placed, placeOf, withAnother, without } from "./placing";
 import { type Actions, state } from "./state";
@@ -18,8 +19,18 @@ const paces = [
 ] as const;
 const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
 
-/** Waveforms of the amplitude, as a project file names them. */
-export const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
+/** Where it is strongest, and towards which end of which axis it fades from there. */
+const strongest = [["", "everywhere alike"], ["+x", "at the left"], ["-x", "at the right"], ["+y", "in front"], ["-y", "at the back"], ["+z", "at the bottom"], ["-z", "at the top"]] as const;
+
+function Fading({ now, set }: { now: ProjectDocument; set: (changes: { fade: string | undefined }) => void }) {
+  const [towards = "", left = "0.5"] = now.fade?.split(":") ?? [];
+  return (
+    <>
+      <Choice label="Strongest" value={towards} choices={strongest.map(([key, name]): [string, string] => [key, name])} onValue={(way) => set({ fade: way === "" ? undefined : `${way}:${left}` })} />
+      {towards !== "" && <NumberField label="Left at the other end" unit="%" value={Number((100 * Number(left)).toPrecision(12))} step={5} least={1} most={99} onValue={(percent) => set({ fade: `${towards}:${Number((percent / 100).toPrecision(12))}` })} />}
+    </>
+  );
+}
 
 /** What the object is. Without measures of a kind of shape, the project file's default stands. */
 function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: ProjectDocument; primitives: string[] }) {
@@ -59,8 +70,8 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
       <button type="button" class="wide" onClick={() => actions.draw(true)}>Draw a path by hand</button>
       <label class="drop">
         Drop a file anywhere, or choose one
-        <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.adaptics" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
-        <small>PLY, OBJ, STL, XYZ, CSV, a bundle or a project with its files</small>
+        <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.json,.adaptics,.wav" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
+        <small>PLY, OBJ, STL, XYZ, CSV; a path, an AdapTics pattern; a sound (WAV) to modulate by; a bundle, or a project with its files</small>
       </label>
     </Panel>
   );
@@ -116,7 +127,8 @@ export function Properties({ actions }: { actions: Actions }) {
         {!now.path?.endsWith(".csv") && <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />}
         {!now.path && <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0.000001} onValue={(value) => change({ [pace]: value })} />}
         <Strength now={now} set={change} />
-        <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => change({ am: am || undefined })} />
+        <Fading now={now} set={change} />
+        <Modulation actions={actions} now={now} set={change} />
         <More what="pace, weak points, end, array, board">
           {!now.path && <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />}
           {!now.path && <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What takes long, in a Worker of its own, one after the other: the analysis of each focal point, paths, fields and reports as files. A
 // Worker hears nothing while it computes, so work that nobody waits for any more ends with its Worker, and the next has another.
-import { type FromWorker, startWorker, type ToWorker } from "./in_page";
 import type { Message } from "./link";
+import { type FromWorker, startWorker, type ToWorker } from "./workers";
 
 type Request = Extract<ToWorker, { request: number }>;
 type Work = (Message & { n: number }) | Request;

@@ -83,7 +83,7 @@ export const state = {
   /** Where the hand is to come from once the board that was asked for is there, as Actions.live() has it. */
   livesNext: signal<string | undefined>(undefined),
   live: signal<LiveSession | undefined>(undefined),
-  /** The entry of the tour that the board plays, when no point is marked. */
+  /** The entry of the tour that the board plays. */
   playsPoint: signal<number | undefined>(undefined),
   /** The scene whose modulation is played, as far as this page said. */
   played: signal(""),

@@ -5,9 +5,11 @@ import { PanelBottom } from "lucide-preact";
 import { useId, useRef, useState } from "preact/hooks";
 import { Choice } from "./controls";
 import { project } from "./document";
+import { KeyHandle } from "./key_frames";
 import type { Analysis, Scene } from "./link";
 import { short } from "./quantity";
 import { type Actions, state } from "./state";
+import { entryAt } from "./tour";
 
 const height = 40; // of the lane, in its own units; its width is 1000
 const width = 1000;
@@ -23,17 +25,6 @@ export function strengths(scene: Scene, analysis: Analysis | undefined): number[
   const values = scene.tour.map(({ record, amplitude }) => (analysis ? byRecord.get(record) ?? 0 : amplitude));
   const most = Math.max(...values, 1e-12);
   return values.map((value) => value / most);
-}
-
-/** The entry of the tour that plays at a time; in silence, the one before. */
-export function entryAt(scene: Scene, seconds: number): number {
-  let [low, high] = [0, scene.tour.length - 1];
-  while (low < high) {
-    const middle = Math.ceil((low + high) / 2);
-    if ((scene.tour[middle]?.from_s ?? 0) <= seconds) low = middle;
-    else high = middle - 1;
-  }
-  return low;
 }
 
 /** The part of the pass that is shown: all of it, or a part around the marked point. */
@@ -73,6 +64,7 @@ export function Timeline({ actions }: { actions: Actions }) {
   const folded = state.folded.value.time;
   const { tour } = scene;
   const entry = at === undefined ? undefined : tour[at];
+  const playing = tour[state.playsPoint.value ?? -1];
   const shown = windowOf(scene, zoom, at);
   const scale = width / (shown.to - shown.from);
   const keys = (project.value?.keyframe ?? []).map(({ time_s }) => time_s);
@@ -86,12 +78,13 @@ export function Timeline({ actions }: { actions: Actions }) {
   const ms = (seconds: number): string => `${short(seconds * 1e3)} ms`;
   return (
     <div class="scrubber" role="group" aria-label="Timeline">
-      {!folded && <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries${keys.length > 0 ? ` and ${keys.length} key frames` : ""}${starts.length > 0 ? ` and ${starts.length} places where triggers begin` : ""} in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
+      {!folded && <div class="lane-box"><svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries${keys.length > 0 ? ` and ${keys.length} key frames` : ""}${starts.length > 0 ? ` and ${starts.length} places where triggers begin` : ""} in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
         <path class="blocks" d={blocks(scene, shown)} />
-        {keys.map((time) => <path key={time} class="key" d={`M${(time - shown.from) * scale} 0v${height}`} />)}
+        {keys.map((time, i) => <path key={i} class="key" d={`M${(time - shown.from) * scale} 0v${height}`} />)}
         {starts.map((time) => <path key={`t${time}`} class="trigger-at" d={`M${(time - shown.from) * scale} 0l8 5l-8 5z`} />)}
         {entry && <rect class="mark-here" x={(entry.from_s - shown.from) * scale} y={0} width={Math.max(3, entry.dwell_s * scale)} height={height} />}
-      </svg>}
+        {playing && <rect class="plays-here" x={(playing.from_s - shown.from) * scale} y={0} width={Math.max(3, playing.dwell_s * scale)} height={height} />}
+      </svg>{keys.map((_, i) => <KeyHandle key={i} actions={actions} number={i} shown={shown} lane={lane} />)}</div>}
       <div class="row">
         <button type="button" class="ghost" aria-expanded={!folded} aria-label="Timeline in full" onClick={() => (state.folded.value = { ...state.folded.value, time: !folded })}><PanelBottom size={16} aria-hidden="true" /></button>
         <button type="button" aria-pressed={state.running.value} onClick={() => actions.run(!state.running.value)}>{state.running.value ? "❚❚ Hold" : "▶ Run"}</button>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Worker of a page without a server: hands on between the page and the libraries. One thing is done at a time, in the order in which
 // it was asked for.
-import type { FromWorker, ToWorker } from "./in_page";
+import type { FromWorker, ToWorker } from "./workers";
 import { lend } from "./lend";
 import start, { type Engine } from "./studio_engine.js";
 
