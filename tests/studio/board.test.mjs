@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, folder, keptPicture, openPage, quantile, run, settled, sleep, start, startBrowser, startStudio } from "./support.mjs";
+import { accessible, boardSays, folder, openPage, picture, quantile, run, settled, sleep, start, startBrowser, startStudio } from "./support.mjs";
 
 /** A document that is soon uploaded: the simulated line is as slow as a real one, and the simulation slower. */
 async function small(page) {
@@ -100,9 +100,9 @@ test("two clicks to a playing virtual board, and STOP", async (t) => {
   t.diagnostic(`from Play to outputs on: ${(performance.now() - begun).toFixed(0)} ms`);
   await page.getByText(/Playing for/).waitFor();
   await accessible(page);
-  await keptPicture(page, "playing-light");
+  await picture(page, "playing-light");
   await page.getByRole("button", { name: "Theme" }).click();
-  await keptPicture(page, "playing-dark");
+  await picture(page, "playing-dark");
   await page.getByRole("button", { name: "STOP" }).click();
   await boardSays(page, "outputs off");
   await page.getByText("Stopped.").waitFor();

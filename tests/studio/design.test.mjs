@@ -244,6 +244,10 @@ test("a dropped file becomes what is in it: a path, a sound, a curve, a hand, a 
   assert.doesNotMatch(await page.locator(".failed").innerText(), /\/tmp|\//);
   await page.keyboard.press("Control+z");
   await page.locator(".failed").waitFor({ state: "detached" });
+  // A calibration names no file of this machine that the page was not given.
+  await drop(page, [{ name: "far.toml", bytes: Buffer.from(files["cal.toml"].replace("my.toml", join(where, "my.toml"))) }]);
+  await page.locator(".failed", { hasText: "my.toml" }).waitFor();
+  assert.match(await page.locator(".failed").innerText(), /does not have this file|names its own files alone/);
 });
 
 test("a project with its files is opened, with an array and a waveform of its own", async (t) => {

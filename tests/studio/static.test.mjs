@@ -158,10 +158,9 @@ test("all that a static page shows is accessible, and it says what it leaves out
 
 test("a static page is accessible with a hand, with findings and when something fails", { skip }, async (t) => {
   const page = await openSite(t);
-  await page.getByLabel("Passes a second", { exact: true }).fill("400");
+  await page.getByLabel("Passes a second", { exact: true }).fill("50");
   await page.keyboard.press("Enter");
   await settled(page);
-  await lookedAt(page);
   await page.locator(".findings li").first().waitFor();
   assert.ok((await accessible(page)) > 10);
   await page.getByLabel("Focal points", { exact: true }).fill("60000");

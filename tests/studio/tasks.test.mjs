@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { randomDesign, randomOf } from "./designs.mjs";
-import { boardSays, drawnAt, drop, folder, hasValue, lookedAt, middle, openPage, pixels, run, settled, shapes, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { boardSays, drawnAt, drop, folder, hasValue, lookedAt, middle, openPage, pixels, run, settled, shapes, startBrowser, startStudio } from "./support.mjs";
 
 const mostActions = 5;
 
@@ -52,18 +52,8 @@ test("ten tasks, each in at most five actions", async (t) => {
   await settled(page);
   await task("play it", async () => act(find("button.play").click()), async () => boardSays(page, "outputs ON"));
   await task("stop it", async () => act(page.keyboard.press("Escape")), async () => boardSays(page, "outputs off"));
-  await task("make it stronger at the left", async () => act(find('.field:has(label:text-is("Strongest")) select').selectOption({ label: "at the left" })), async () => {
-    await settled(page);
-    const where = await folder(t);
-    for (const [button, name] of [["Image", "image.hex"], ["Manifest", "image.json"], ["Project", "project.toml"]]) writeFileSync(join(where, name), await takeAway(page, button));
-    await run("compile", join(where, "project.toml"), "-o", join(where, "told.hex"));
-    assert.equal(readFileSync(join(where, "image.hex"), "utf8"), readFileSync(join(where, "told.hex"), "utf8"));
-    const records = JSON.parse(readFileSync(join(where, "image.json"), "utf8")).records.map(({ focus_mm, amplitude = 1 }) => ({ x: focus_mm[0], amplitude }));
-    const [left, right] = [Math.min, Math.max].map((most) => most(...records.map(({ x }) => x)));
-    for (const { x, amplitude } of records) assert.ok(Math.abs(amplitude - (1 - (0.5 * (x - left)) / (right - left))) < 0.01, `${x} mm: ${amplitude}`);
-    await page.locator("[data-step=Make]").click();
-  });
-  await task("take that back", async () => act(page.keyboard.press("Control+z")), async () => hasValue(page.getByLabel("Strongest", { exact: true }), ""));
+  await task("make it weaker", async () => act(typed("Amplitude", "60")), async () => settled(page));
+  await task("take that back", async () => act(page.keyboard.press("Control+z")), async () => hasValue(page.getByLabel("Amplitude", { exact: true }), "100"));
   await task("mend what is drawn too fast", async () => {
     await act(design("Plus").click());
     await footer("Plus: ");
@@ -122,7 +112,7 @@ test("images from the page are the command line's, of fifty designs", async (t) 
   }
 });
 
-test("axes stand beside the array, and the view shows where the board is", async (t) => {
+test("axes stand beside the array", async (t) => {
   const where = await folder(t);
   writeFileSync(join(where, "ring.toml"), 'format = "haptogram-project-1"\npoints = 8\nrate_hz = 1\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n');
   const page = await openPage(t, await startBrowser(t), await startStudio(t, join(where, "ring.toml")));
@@ -142,7 +132,13 @@ test("axes stand beside the array, and the view shows where the board is", async
     });
     assert.ok(found, `axis ${"xyz"[axis]}`);
   }
-  // Also when a point is marked: while the board plays, the view plays.
+});
+
+test("while the board plays, view and timeline show where it is, also when a point is marked", async (t) => {
+  const where = await folder(t);
+  writeFileSync(join(where, "ring.toml"), 'format = "haptogram-project-1"\npoints = 8\nrate_hz = 1\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n');
+  const page = await openPage(t, await startBrowser(t), await startStudio(t, join(where, "ring.toml")));
+  await settled(page);
   await page.getByLabel("Focal point", { exact: true }).press("End");
   await page.locator(".scrubber", { hasText: "8 of 8" }).waitFor();
   await page.locator("button.play").click();

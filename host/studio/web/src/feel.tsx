@@ -26,10 +26,9 @@ interface Felt {
 }
 
 /** The weakest and the strongest focal point, without those that a modulation makes weak on purpose. */
-export function feltOf(scene: Scene, analysis: Analysis, fade?: string): { weakest: Felt; strongest: Felt } | undefined {
+export function feltOf(scene: Scene, analysis: Analysis): { weakest: Felt; strongest: Felt } | undefined {
   const most = Math.max(...scene.tour.map(({ amplitude }) => amplitude));
-  const least = 0.99 * Number(fade?.split(":")[1] ?? 1) * most; // where it fades is to be felt, too
-  const whole = new Map(scene.tour.map((entry, at) => [entry.record, { ...entry, number: at }] as const).filter(([, { amplitude }]) => amplitude >= least));
+  const whole = new Map(scene.tour.map((entry, at) => [entry.record, { ...entry, number: at }] as const).filter(([, { amplitude }]) => amplitude >= 0.99 * most));
   const all = analysis.foci.flatMap(({ record, force_mn, width_mm }): Felt[] => {
     const entry = whole.get(record);
     return entry ? [{ times: force_mn / analysis.least_felt_mn, at: entry.number, place: entry.at, width_mm }] : [];
@@ -69,7 +68,7 @@ export function Feel({ actions }: { actions: Actions }) {
   const { scene, analysis, current, folded } = state;
   const now = scene.value;
   const found = now ? analysis.value?.findings ?? now.findings : [];
-  const felt = now && analysis.value ? feltOf(now, analysis.value, project.value?.fade) : undefined;
+  const felt = now && analysis.value ? feltOf(now, analysis.value) : undefined;
   const verdict: Verdict = !now ? "nothing" : !analysis.value || !current.value ? "looking" : felt && felt.weakest.times < 1 ? "fades" : found.length > 0 ? "notes" : "clear";
   const closed = folded.value.feel;
   const Icon = verdict === "clear" ? CircleCheck : verdict === "fades" || verdict === "notes" ? TriangleAlert : LoaderCircle;

@@ -166,7 +166,7 @@ export function ScaleBar() {
 /** What the page calls the keys and options that a failure may be about. */
 const labels: Record<string, string> = {
   points: "Focal points", rate: "Passes a second", rate_hz: "Passes a second", speed: "Speed", speed_m_s: "Speed", frequency: "Drawings a second", frequency_hz: "Drawings a second",
-  am: "Modulation", am_law: "Modulation", amplitude: "Amplitude", fade: "Strongest", magnitude: "Amplitude", array: "Array", board: "For board", loops: "Passes in all", even: "All points feel alike",
+  am: "Modulation", am_law: "Modulation", amplitude: "Amplitude", magnitude: "Amplitude", array: "Array", board: "For board", loops: "Passes in all", even: "All points feel alike",
   keyframe: "Movement", trigger: "Triggers", path: "Path", shape: "Object", place: "Place", size: "Size", center: "Centre", rotate: "Turn about", hand: "Hand", project: "The design",
 };
 

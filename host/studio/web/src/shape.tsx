@@ -19,19 +19,6 @@ const paces = [
 ] as const;
 const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
 
-/** Where it is strongest, and towards which end of which axis it fades from there. */
-const strongest = [["", "everywhere alike"], ["+x", "at the left"], ["-x", "at the right"], ["+y", "in front"], ["-y", "at the back"], ["+z", "at the bottom"], ["-z", "at the top"]] as const;
-
-function Fading({ now, set }: { now: ProjectDocument; set: (changes: { fade: string | undefined }) => void }) {
-  const [towards = "", left = "0.5"] = now.fade?.split(":") ?? [];
-  return (
-    <>
-      <Choice label="Strongest" value={towards} choices={strongest.map(([key, name]): [string, string] => [key, name])} onValue={(way) => set({ fade: way === "" ? undefined : `${way}:${left}` })} />
-      {towards !== "" && <NumberField label="Left at the other end" unit="%" value={Number((100 * Number(left)).toPrecision(12))} step={5} least={1} most={99} onValue={(percent) => set({ fade: `${towards}:${Number((percent / 100).toPrecision(12))}` })} />}
-    </>
-  );
-}
-
 /** What the object is. Without measures of a kind of shape, the project file's default stands. */
 function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: ProjectDocument; primitives: string[] }) {
   const shapes = now.shape ?? [];
@@ -127,7 +114,6 @@ export function Properties({ actions }: { actions: Actions }) {
         {!now.path?.endsWith(".csv") && <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />}
         {!now.path && <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0.000001} onValue={(value) => change({ [pace]: value })} />}
         <Strength now={now} set={change} />
-        <Fading now={now} set={change} />
         <Modulation actions={actions} now={now} set={change} />
         <More what="pace, weak points, end, array, board">
           {!now.path && <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />}
