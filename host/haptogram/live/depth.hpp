@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "haptogram/array/rig.hpp"
@@ -64,6 +66,8 @@ public:
     /// Whether next() returns at once. Of a live source it takes in what has come, so it wants to be asked often.
     /// @throws Error{bad_input} as next()
     [[nodiscard]] virtual bool ready() { return true; }
+    /// How many times something came that was no shot, and why the first one was none.
+    [[nodiscard]] virtual std::pair<std::uint64_t, std::string> junk() const { return {}; }
 };
 
 }  // namespace haptogram

@@ -88,8 +88,8 @@ DepthCameras cameras_from_toml(std::string_view text, const std::string& where) 
     for (const toml::node& entry : *list) {
         const section::Section camera(where, *entry.as_table());
         found.cameras.push_back(read_camera(camera));
-        found.folders.emplace_back(camera.required(camera.text("folder"), "folder", "the camera's folder of pictures"));
-        found.lines.push_back(camera.at("folder"));
+        found.folders.push_back(camera.text("folder"));
+        found.lines.push_back(camera.at(found.folders.back() ? "folder" : "width"));
     }
     return found;
 }
@@ -100,7 +100,9 @@ DepthFolder::DepthFolder(const fs::path& folder) {
     rate_hz_ = found.rate_hz;
     cameras_ = found.cameras;
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        const fs::path pictures = folder / found.folders[i];
+        if (!found.folders[i])
+            throw bad_input(found.lines[i], fmt::format("camera {} has no folder, in which its pictures are", i + 1));
+        const fs::path pictures = folder / *found.folders[i];
         std::error_code error;
         auto& numbered = pictures_.emplace_back();
         for (const auto& entry : fs::directory_iterator(pictures, error))

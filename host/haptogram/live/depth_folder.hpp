@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +16,8 @@ namespace haptogram {
 struct DepthCameras {
     double rate_hz = 30.0;
     std::vector<DepthCamera> cameras;
-    std::vector<std::filesystem::path> folders;  ///< of each camera's pictures, as the file names them
-    std::vector<std::string> lines;              ///< where it does, for messages
+    std::vector<std::optional<std::string>> folders;  ///< of each camera's pictures, as the file names them, if it does
+    std::vector<std::string> lines;                   ///< where it does, for messages
 };
 /// @param where  names the file in messages
 /// @throws Error{bad_input} naming file, line and key

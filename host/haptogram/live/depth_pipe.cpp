@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "haptogram/base/error.hpp"
 #include "haptogram/live/depth_folder.hpp"
 
 namespace haptogram {
@@ -62,34 +64,69 @@ DepthPipe::DepthPipe(const std::string& path) : input_(path) {
     rate_hz_ = found.rate_hz;
 }
 
-Error DepthPipe::wrong(const std::string& message) const {
-    return bad_input(input_.name(), fmt::format("shot {} of the pipe: {}", shots_ + 1, message));
+/// Why no shot begins at a place, behind which there is a whole head; empty when one may.
+std::string DepthPipe::flaw_of(std::size_t at) const {
+    if (std::string_view(bytes_).substr(at, magic.size()) != magic)
+        return "it must begin with \"SHOT\"; a picture before it has not its camera's size, or bytes were lost";
+    const auto seen = number_at<std::uint32_t>(bytes_, at + 4);
+    if (cameras_.size() < depth_pipe_cameras && seen >> cameras_.size() != 0)
+        return fmt::format("it has pictures by the mask {:#x}, but there are {} cameras", seen, cameras_.size());
+    if (!std::isfinite(number_at<double>(bytes_, at + 16))) return "its time is not a finite number";
+    return {};
+}
+
+/// Goes to the next place at which a shot may begin.
+void DepthPipe::skip(const std::string& why) {
+    if (!searching_ && junk_++ == 0) why_ = fmt::format("shot {} of the pipe: {}", shots_ + 1, why);
+    const std::size_t next = bytes_.find(magic, 1);
+    // The beginning of the word may be there, and the rest still come.
+    bytes_.erase(0, std::min(next, bytes_.size() - std::min(bytes_.size(), magic.size() - 1)));
+    searching_ = true;
+}
+
+/// Until a shot may begin with the first byte. @return whether one may
+bool DepthPipe::take_head() {
+    while (bytes_.size() >= head_bytes) {
+        const std::string flaw = flaw_of(0);
+        if (flaw.empty()) return true;
+        skip(flaw);
+    }
+    return false;
 }
 
 void DepthPipe::take_shot() {
-    if (bytes_.size() < head_bytes) return;
-    if (!bytes_.starts_with(magic))
-        throw wrong("it must begin with \"SHOT\"; a picture before it has not its camera's size, or bytes were lost");
-    const auto seen = number_at<std::uint32_t>(bytes_, 4);
-    if (cameras_.size() < depth_pipe_cameras && seen >> cameras_.size() != 0)
-        throw wrong(fmt::format("it has pictures by the mask {:#x}, but there are {} cameras", seen, cameras_.size()));
-    DepthShot shot{number_at<std::uint64_t>(bytes_, 8), number_at<double>(bytes_, 16), {}};
-    if (!std::isfinite(shot.time_s)) throw wrong("its time is not a finite number");
-    std::size_t end = head_bytes;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) end += (seen >> i & 1U) != 0 ? bytes_of(cameras_[i]) : 0;
-    if (bytes_.size() < end) return;
-    std::size_t at = head_bytes;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        shot.pictures.emplace_back();
-        if ((seen >> i & 1U) == 0) continue;
-        DepthPicture picture(std::size_t{cameras_[i].width} * cameras_[i].height);
-        std::memcpy(picture.data(), bytes_.data() + at, bytes_of(cameras_[i]));
-        at += bytes_of(cameras_[i]);
-        shot.pictures.back() = std::move(picture);
+    while (take_head()) {
+        const auto seen = number_at<std::uint32_t>(bytes_, 4);
+        DepthShot shot{number_at<std::uint64_t>(bytes_, 8), number_at<double>(bytes_, 16), {}};
+        std::size_t end = head_bytes;
+        for (std::size_t i = 0; i < cameras_.size(); ++i) end += (seen >> i & 1U) != 0 ? bytes_of(cameras_[i]) : 0;
+        // A later shot that begins within this one: the writer has lost the rest of this one.
+        const std::size_t most = std::min(end, bytes_.size() - head_bytes + 1);
+        std::size_t other = bytes_.find(magic, head_bytes);
+        while (other < most && !(flaw_of(other).empty() && number_at<std::uint64_t>(bytes_, other + 8) > shot.number &&
+                                 number_at<double>(bytes_, other + 16) > shot.time_s))
+            other = bytes_.find(magic, other + 1);
+        if (other < most) {
+            bytes_.erase(0, other - 1);  // so that it is what the search finds
+            skip("the next one begins within it");
+            continue;
+        }
+        if (bytes_.size() < end) return;
+        std::size_t at = head_bytes;
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            shot.pictures.emplace_back();
+            if ((seen >> i & 1U) == 0) continue;
+            DepthPicture picture(std::size_t{cameras_[i].width} * cameras_[i].height);
+            std::memcpy(picture.data(), bytes_.data() + at, bytes_of(cameras_[i]));
+            at += bytes_of(cameras_[i]);
+            shot.pictures.back() = std::move(picture);
+        }
+        bytes_.erase(0, end);
+        shot_ = std::move(shot);
+        ++shots_;
+        searching_ = false;
+        return;
     }
-    bytes_.erase(0, end);
-    shot_ = std::move(shot);
-    ++shots_;
 }
 
 bool DepthPipe::ready() {
@@ -106,8 +143,10 @@ std::optional<DepthShot> DepthPipe::next() {
 void DepthPipe::take_in(std::chrono::milliseconds patience) {
     if (!shot_) take_shot();
     while (!shot_ && !input_.ended() && input_.read(bytes_, patience)) take_shot();
-    if (!shot_ && input_.ended() && !bytes_.empty())
-        throw wrong(fmt::format("the pipe ended within it, after {} bytes", bytes_.size()));
+    if (!shot_ && input_.ended() && !bytes_.empty()) {
+        skip(fmt::format("the pipe ended within it, after {} bytes", bytes_.size()));
+        bytes_.clear();
+    }
 }
 
 std::string depth_pipe_head(const std::vector<DepthCamera>& cameras, double rate_hz) {

@@ -2,11 +2,12 @@
 #pragma once
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "haptogram/base/error.hpp"
 #include "haptogram/base/live_input.hpp"
 #include "haptogram/live/depth.hpp"
 
@@ -26,12 +27,16 @@ public:
     [[nodiscard]] bool live() const override { return !input_.is_file(); }
     [[nodiscard]] bool ready() override;
     [[nodiscard]] std::optional<DepthShot> next() override;
+    /// How many times bytes were no shot, so that the next one was searched for; and why the first time.
+    [[nodiscard]] std::pair<std::uint64_t, std::string> junk() const override { return {junk_, why_}; }
 
 private:
     /// Takes in what comes until a shot is whole, and waits for each part at most so long.
     void take_in(std::chrono::milliseconds patience);
     void take_shot();
-    [[nodiscard]] Error wrong(const std::string& message) const;
+    bool take_head();
+    [[nodiscard]] std::string flaw_of(std::size_t at) const;
+    void skip(const std::string& why);
 
     LiveInput input_;
     std::string bytes_;  ///< that have come, and are of no shot yet
@@ -39,6 +44,9 @@ private:
     double rate_hz_ = 30.0;
     std::optional<DepthShot> shot_;
     std::size_t shots_ = 0;
+    bool searching_ = false;  ///< for the next shot
+    std::uint64_t junk_ = 0;
+    std::string why_;
 };
 
 /// What such a program writes: once the head, then each shot.

@@ -38,6 +38,7 @@ public:
     [[nodiscard]] std::optional<DepthShot> next() override { return source_->next(); }
     [[nodiscard]] bool live() const override { return source_->live(); }
     [[nodiscard]] bool ready() override { return source_->ready(); }
+    [[nodiscard]] std::pair<std::uint64_t, std::string> junk() const override { return source_->junk(); }
 
 private:
     std::unique_ptr<DepthSource> source_;
