@@ -208,6 +208,7 @@ std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::
     if (hands && !command.has_rings()) {
         const live::HandOptions options = hand_options_of(command);
         player.pace.foci = live::most_foci(options);
+        player.slow = live::is_slow(options);
         scene = std::make_shared<live::SceneInput>(object, command.scene_in);
         return std::make_unique<live::HandFeeler>(
             array, array.carrier_hz, [scene](double time_s) { return scene->at(time_s); }, options);
@@ -240,12 +241,14 @@ void tell_setting(Report& report, const LiveCommand& command, const live::LoopRe
 void tell_dropped(Report& report, const live::OpenedSource& source, const live::SceneInput* objects,
                   std::uint64_t dropped) {
     std::uint64_t junk = 0;
-    for (const live::HandPipe* tracker : source.trackers) {
-        const auto [lines, why] = tracker->junk();
-        junk += lines;
-        if (lines > 0) report.tell(fmt::format("junk              {} lines were no frames; the first: {}", lines, why));
-    }
-    if (!source.trackers.empty()) report.add("junk", junk);
+    const auto tell = [&](const std::pair<std::uint64_t, std::string>& found, std::string_view what) {
+        junk += found.first;
+        if (found.first > 0)
+            report.tell(fmt::format("junk              {} {}; the first: {}", found.first, what, found.second));
+    };
+    for (const live::HandPipe* tracker : source.trackers) tell(tracker->junk(), "lines were no frames");
+    for (const auto& cameras : source.depth) tell(cameras->junk(), "shots were torn, and the next one searched for");
+    report.add("junk", junk);
     if (objects != nullptr && objects->junk() > 0)
         report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing", objects->junk()));
     if (dropped > 0)

@@ -217,11 +217,27 @@ def test_cameras_and_a_tracker_at_a_time_each_in_its_place(tmp_path):
     same = json.loads(succeed(["live", "--from", "depth:moved@desk.toml", *place], cwd=tmp_path).stdout)
     assert same["with_rings"] == one["with_rings"] > 6
     both = json.loads(succeed(["live", "--from", "depth:hand", "--from", "depth:moved@desk.toml", "--from", "synthetic:press", *place, "--scene", "s.jsonl"], cwd=tmp_path).stdout)
-    assert both["shots"] > 2 * one["shots"] and both["with_rings"] > one["with_rings"]
+    assert both["shots"] > one["shots"] and both["with_rings"] > one["with_rings"]  # the script goes on alone
     seen = lines(tmp_path / "s.jsonl")
     assert any(shot["hands"] for shot in seen) and any(shot["points"] > 100 and shot["sections"] for shot in seen)
     refuse(tmp_path, ["live", "--from", "depth:hand", "--from", "synthetic:press", "--algorithm", "A", *place], USAGE, "algorithm")
     refuse(tmp_path, ["live", "--from", "depth:hand", "--from", "depth:hand", "--record", "new", *place], USAGE, "record")
+
+
+def test_two_trackers_of_equal_times_feel_as_one_does(tmp_path):
+    """A hand at 200 mm/s feels as much beside another tracker's still hand as alone, whatever the prediction."""
+    moving = [frame_of(6_000_000 + 10_000 * i, dx=2 * i - 40) for i in range(40)]
+    (tmp_path / "moving").write_text("\n".join(moving) + "\n")
+    (tmp_path / "still").write_text("\n".join(frame_of(6_000_000 + 10_000 * i, dx=400) for i in range(40)) + "\n")
+    command = ["live", "--from", "leap-pipe:moving", "--object", "sphere", "--size", "80", "--center", "0,40,160", "--algorithm", "A", "--port", "reference:tile-100-wide", "--json", "--scene", "s"]
+    foci = {}
+    for predict in ("none", "velocity", "kalman"):
+        for other in ([], ["--from", "leap-pipe:still"]):
+            felt = json.loads(succeed([*command, "--predict", predict, *other], cwd=tmp_path).stdout)
+            assert felt["shots"] == 40
+            foci[predict, bool(other)] = felt["with_rings"], [shot["contacts_mm"] for shot in lines(tmp_path / "s")]
+        assert foci[predict, True] == foci[predict, False]
+    assert foci["velocity", True][0] > 30
 
 
 def test_the_scene_comes_while_it_happens(tmp_path):
@@ -281,6 +297,7 @@ def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):
     assert felt["shots"] == 60 and felt["lost"] == 0 and felt["junk"] == 3
     refuse(tmp_path, [*HAND, "--algorithm", "A", *BOARD, "--press-foci", "2"], USAGE, "press-foci")
     refuse(tmp_path, [*PRESS, "--algorithm", "A", *BOARD], USAGE, "a tracker")
+    refuse(tmp_path, [*HAND, "--algorithm", "K", *BOARD], DEVICE, "it plays records", "takes seconds")
 
 
 # Sessions by their options, on several lines of the table [live] or in words.
@@ -333,12 +350,12 @@ def test_what_a_project_says_of_live(tmp_path):
     refuse(tmp_path, ["live"], USAGE, "--from")
 
 
-def frame_of(at_us):
-    """A Leap's message: an open right hand, palm down, whose fingers lie in the upper part of the sphere of HAND."""
+def frame_of(at_us, dx=0.0):
+    """A Leap's message: an open right hand, palm down, whose fingers lie in the upper part of the sphere of HAND; dx: mm aside."""
     names = ("mcpPosition", "pipPosition", "dipPosition", "tipPosition")
     fingers = [
-        {"id": 10 + k, "handId": 1, "type": k, "width": 16.0, **{n: [20.0 * (k - 2), 195.0, -10.0 - 25.0 * i] for i, n in enumerate(names)}}
+        {"id": 10 + k, "handId": 1, "type": k, "width": 16.0, **{n: [20.0 * (k - 2) + dx, 195.0, -10.0 - 25.0 * i] for i, n in enumerate(names)}}
         for k in range(5)
     ]
-    palm = {"id": 1, "type": "right", "palmPosition": [0.0, 215.0, 60.0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}
+    palm = {"id": 1, "type": "right", "palmPosition": [dx, 215.0, 60.0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}
     return json.dumps({"id": at_us, "timestamp": at_us, "hands": [palm], "pointables": fingers})

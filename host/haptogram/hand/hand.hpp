@@ -26,6 +26,7 @@ struct Hand {
     double confidence = 1.0;                       ///< of the tracker, 0 to 1
     double grab = 0.0, pinch = 0.0;                ///< how far the hand is closed, 0 to 1
     std::array<std::optional<Finger>, 5> fingers;  ///< thumb, index, middle, ring, pinkie
+    std::optional<double> seen_s{};                ///< when it was seen, if that is not the time of its frame
 };
 
 struct HandFrame {

@@ -63,6 +63,10 @@ ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, con
 ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, const Array& array,
                           const PlayerOptions& options, const Line& line) {
     const link::Identity& board = device.identity();
+    if (options.slow)
+        throw Error(ErrorCode::device, "board",
+                    "it plays records, too few for a pass of this algorithm, which takes seconds; take a board that "
+                    "computes foci, or another algorithm");
     // Each board has a line of its own.
     std::uint32_t most_channels = 0;
     for (const DevicePart& part : options.parts)

@@ -18,6 +18,7 @@ struct PlayerOptions {
     std::size_t steps = 0;                      ///< of a path in records; 0: as many as line and board take
     FocusPace pace{};                           ///< where foci are sent
     double rate_hz = 30.0;                      ///< of frames
+    bool slow = false;                          ///< a pass takes seconds
     std::uint16_t watchdog_ms = 500;
     std::vector<DevicePart> parts{};  ///< of a rig's boards; none: the device is one
 };

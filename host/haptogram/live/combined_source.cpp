@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 #include <utility>
 
@@ -13,7 +14,9 @@ namespace {
 
 constexpr std::size_t most_sources = 8;
 constexpr double same_hand_m = 80e-3;
-constexpr double least_apart_s = 1e-6;  // two frames at one time are one after the other
+constexpr double late_intervals = 1.5;  // of a source since its last frame: the next one is late
+constexpr double old_intervals = 0.6;   // more than half, so that two that come in turn do not change places
+constexpr double drift_part = 1e-2;     // of what a frame came later than expected is the clocks' drift
 constexpr std::chrono::microseconds nap{300};
 
 double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -38,9 +41,12 @@ CombinedSource::CombinedSource(std::vector<Part> parts, std::function<double()> 
 }
 
 double CombinedSource::rate_hz() const {
-    double rate = 0.0;
-    for (const Source& source : sources_) rate = std::max(rate, source.part.frames->rate_hz());
-    return rate;
+    double rate = HUGE_VAL, fastest = 0.0;
+    for (const Source& source : sources_) {
+        fastest = std::max(fastest, source.part.frames->rate_hz());
+        if (!source.ended && !source.late) rate = std::min(rate, source.part.frames->rate_hz());
+    }
+    return std::min(rate, fastest);
 }
 
 void CombinedSource::look_ahead(Source& source) const {
@@ -59,51 +65,89 @@ CombinedSource::Source* CombinedSource::earliest() {
     return first;
 }
 
-/// Of live sources, one that has a frame; those that have had none for longest come first.
-CombinedSource::Source* CombinedSource::first_ready() {
-    Source* first = nullptr;
-    for (Source& source : sources_)
-        if (!source.ended && source.part.frames->ready() && (first == nullptr || source.last_s < first->last_s))
-            first = &source;
-    return first;
+/// Whether all that is waited for has come.
+bool CombinedSource::is_round(double now_s) {
+    bool any = false;
+    double newest_s = -HUGE_VAL;
+    for (const Source& source : sources_)
+        if (source.fresh) newest_s = std::max(newest_s, source.came_s);
+    for (Source& source : sources_) {
+        // Its next one comes sooner after the newest than this one was before it.
+        if (source.fresh && !source.ended && newest_s - source.came_s > old_intervals / source.part.frames->rate_hz())
+            source.fresh = false;
+        any = any || source.fresh;
+        if (source.fresh || source.ended) continue;
+        if (source.coming && source.coming->time_s <= now_s) return false;
+        if (source.last && now_s - source.came_s <= late_intervals / source.part.frames->rate_hz()) return false;
+    }
+    return any;
+}
+
+void CombinedSource::take(Source& source, Frame frame, double came_s) {
+    // Frames that one source lost are lost ones of all.
+    if (source.last && frame.number > source.last->number) number_ += frame.number - source.last->number - 1;
+    // Of live sources each has a clock of its own, by which its frames are as far apart as they were seen; what came
+    // with the least delay tells best how far that is from the common time. The clocks may drift.
+    const double apart_s = live_ ? came_s - frame.time_s : 0.0;
+    if (!source.apart_s || apart_s < *source.apart_s)
+        source.apart_s = apart_s;
+    else
+        *source.apart_s += drift_part * (apart_s - *source.apart_s);
+    source.last_s = frame.time_s + *source.apart_s;
+    source.came_s = came_s;
+    source.last = std::move(frame);
+    source.fresh = true;
+}
+
+/// Of live sources: what there is of each, the newest.
+void CombinedSource::take_what_came() {
+    for (Source& source : sources_) {
+        if (source.ended || !source.part.frames->ready()) continue;
+        std::optional<Frame> frame = source.part.frames->next();
+        source.ended = !frame;
+        if (!frame) continue;
+        const double now_s = now_s_();
+        if (!begin_s_) begin_s_ = now_s;
+        take(source, *std::move(frame), now_s - *begin_s_);
+    }
 }
 
 bool CombinedSource::ready() {
     if (!live_) return true;
-    return first_ready() != nullptr ||
+    take_what_came();
+    return is_round(begin_s_ ? now_s_() - *begin_s_ : 0.0) ||
            std::all_of(sources_.begin(), sources_.end(), [](const Source& source) { return source.ended; });
 }
 
-void CombinedSource::take(Source& source, Frame frame, double time_s) {
-    // Frames that one source lost are lost ones of all.
-    number_ += !begun_ ? 0 : source.last && frame.number > source.last->number ? frame.number - source.last->number : 1;
-    begun_ = true;
-    time_s_ = std::max(time_s, time_s_ + least_apart_s);
-    source.last = std::move(frame);
-    source.last_s = time_s_;
-}
-
-Frame CombinedSource::together(double time_s) const {
+Frame CombinedSource::together() {
+    double time_s = -HUGE_VAL;
+    for (const Source& source : sources_)
+        if (source.fresh) time_s = std::max(time_s, source.last_s);
     Together seen;
     std::size_t cameras = 0;
     for (std::size_t i = 0; i < sources_.size(); ++i) {
-        const Source& source = sources_[i];
+        Source& source = sources_[i];
         cameras += source.part.cameras;
         seen.shot.pictures.resize(cameras);
+        source.late = !source.fresh;
         if (!source.last || time_s - source.last_s > forget_s) continue;
-        if (const auto* shot = std::get_if<DepthShot>(&source.last->seen))
-            std::copy(shot->pictures.begin(), shot->pictures.end(),
-                      seen.shot.pictures.end() - static_cast<std::ptrdiff_t>(source.part.cameras));
-        else
+        if (const auto* shot = std::get_if<DepthShot>(&source.last->seen)) {
+            if (source.fresh)
+                std::copy(shot->pictures.begin(), shot->pictures.end(),
+                          seen.shot.pictures.end() - static_cast<std::ptrdiff_t>(source.part.cameras));
+        } else {
             for (Hand hand : std::get<HandFrame>(source.last->seen).hands) {
                 if (is_known(seen.hands.hands, hand)) continue;
                 hand.id = hand.id * static_cast<std::int64_t>(most_sources) + static_cast<std::int64_t>(i);
+                hand.seen_s = source.last_s;
                 seen.hands.hands.push_back(hand);
             }
+        }
+        source.fresh = false;
     }
     seen.shot.number = number_;
     seen.shot.time_s = seen.hands.time_s = time_s;
-    Frame frame{number_, time_s, {}, {}};
+    Frame frame{number_++, time_s, {}, {}};
     if (cameras > 0)
         frame.seen = std::move(seen);
     else
@@ -112,28 +156,19 @@ Frame CombinedSource::together(double time_s) const {
 }
 
 std::optional<Frame> CombinedSource::next() {
-    if (!live_) {
-        Source* const source = earliest();
-        if (source == nullptr) return {};
-        Frame frame = *std::exchange(source->coming, std::nullopt);
-        const double time_s = frame.time_s;
-        take(*source, std::move(frame), time_s);
-        return together(time_s_);
-    }
-    for (;;) {
-        if (!ready()) {
-            std::this_thread::sleep_for(nap);
-            continue;
+    if (live_) {
+        while (!ready()) std::this_thread::sleep_for(nap);
+    } else {
+        for (Source* source = earliest(); source != nullptr; source = earliest()) {
+            Frame frame = *std::exchange(source->coming, std::nullopt);
+            const double time_s = frame.time_s;
+            take(*source, std::move(frame), time_s);
+            look_ahead(*source);
+            if (is_round(time_s)) break;
         }
-        Source* const source = first_ready();
-        if (source == nullptr) return {};
-        std::optional<Frame> frame = source->part.frames->next();
-        source->ended = !frame;
-        if (!frame) continue;
-        if (!begin_s_) begin_s_ = now_s_();
-        take(*source, *std::move(frame), now_s_() - *begin_s_);
-        return together(time_s_);
     }
+    if (std::none_of(sources_.begin(), sources_.end(), [](const Source& source) { return source.fresh; })) return {};
+    return together();
 }
 
 }  // namespace haptogram::live

@@ -9,8 +9,9 @@
 
 namespace haptogram::live {
 
-/// Several cameras and trackers as one source. A frame of any of them is one of all: with what the others saw last, not
-/// longer ago than `forget_s`. A hand that two trackers see is that of the one that was named first.
+/// Several cameras and trackers as one source, in rounds: a frame has what is new of all. One that is late, by half of
+/// its interval, is not waited for: its cameras have no picture then, and its hands stay, with the time at which they
+/// were seen, for `forget_s`. A hand that two trackers see is that of the one that was named first.
 class CombinedSource final : public FrameSource {
 public:
     struct Part {
@@ -21,7 +22,7 @@ public:
     /// @throws Error{bad_argument} when some are live and others recordings, or there are too many
     explicit CombinedSource(std::vector<Part> parts, std::function<double()> now_s = {});
 
-    /// Of the fastest one.
+    /// Of the slowest one that is not late.
     [[nodiscard]] double rate_hz() const override;
     [[nodiscard]] bool live() const override { return live_; }
     [[nodiscard]] bool ready() override;
@@ -34,22 +35,25 @@ private:
         Part part;
         std::optional<Frame> coming{};  ///< of a recording
         std::optional<Frame> last{};
-        double last_s = 0.0;
+        double last_s = 0.0;              ///< when that was seen, by the common time
+        double came_s = 0.0;              ///< and when it came
+        std::optional<double> apart_s{};  ///< common time less the time of its own
+        bool fresh = false;               ///< it is of this round
+        bool late = false;                ///< the last round did not wait for it
         bool ended = false;
     };
     void look_ahead(Source& source) const;
     [[nodiscard]] Source* earliest();
-    [[nodiscard]] Source* first_ready();
-    void take(Source& source, Frame frame, double time_s);
-    [[nodiscard]] Frame together(double time_s) const;
+    [[nodiscard]] bool is_round(double now_s);
+    void take(Source& source, Frame frame, double came_s);
+    void take_what_came();
+    [[nodiscard]] Frame together();
 
     std::vector<Source> sources_;
     std::function<double()> now_s_;
     bool live_ = false;
     std::optional<double> begin_s_;
-    double time_s_ = -1.0;
     std::uint64_t number_ = 0;
-    bool begun_ = false;
 };
 
 }  // namespace haptogram::live

@@ -50,6 +50,8 @@ std::size_t most_foci(const HandOptions& options) {
     return two ? 2 : 1;
 }
 
+bool is_slow(const HandOptions& options) { return options.algorithm == Algorithm::pointer; }
+
 HandFeeler::HandFeeler(const Array& array, double carrier_hz, Objects objects, const HandOptions& options)
     : array_(array),
       carrier_hz_(carrier_hz),
@@ -62,11 +64,12 @@ HandFeeler::HandFeeler(const Array& array, double carrier_hz, Objects objects, c
 /// The hand where it will be when what it feels plays.
 Hand HandFeeler::ahead(Hand hand, double time_s) {
     constexpr std::uint64_t places = 32;  // of a hand: its palm, and four joints of each finger
+    const double seen_s = hand.seen_s.value_or(time_s);
     std::uint64_t place = static_cast<std::uint64_t>(hand.id) * places;
-    hand.palm = predictor_.ahead(place++, hand.palm, time_s);
+    hand.palm = predictor_.ahead(place++, hand.palm, seen_s, time_s);
     for (auto& finger : hand.fingers) {
         if (finger)
-            for (Vec3& joint : finger->joints) joint = predictor_.ahead(place++, joint, time_s);
+            for (Vec3& joint : finger->joints) joint = predictor_.ahead(place++, joint, seen_s, time_s);
         else
             place += 4;
     }

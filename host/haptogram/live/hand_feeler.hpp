@@ -20,6 +20,8 @@ struct HandOptions {
 
 /// How many foci at a time an algorithm has, at most.
 [[nodiscard]] std::size_t most_foci(const HandOptions& options);
+/// Whether a pass takes seconds, for which no board has enough records.
+[[nodiscard]] bool is_slow(const HandOptions& options);
 
 /// A tracker's hands on a solid object: skin, algorithm, and one pass of the path, which repeats. What the array cannot
 /// reach is silent, and so is skin that faces away from it.

@@ -39,29 +39,27 @@ void Predictor::filter(Track& track, Vec3 place, double seconds) const {
     pp -= gain_p * pp;
 }
 
-Vec3 Predictor::ahead(std::uint64_t finger, Vec3 place, double time_s) {
+Vec3 Predictor::ahead(std::uint64_t finger, Vec3 place, double measured_s, double now_s) {
     if (options_.kind == Prediction::none) return place;
     const auto [found, fresh] = tracks_.try_emplace(finger);
     Track& track = found->second;
-    const double seconds = time_s - track.time_s;
-    if (fresh || !(seconds > 0.0)) {
+    const double seconds = measured_s - track.time_s;
+    if (fresh || seconds < 0.0) {
         constexpr double unknown_m_s = 1.0;
+        track = {};
         track.place = place;
         track.variance = {options_.place_noise_m * options_.place_noise_m, 0.0, unknown_m_s * unknown_m_s};
-    } else if (options_.kind == Prediction::velocity) {
+    } else if (seconds > 0.0 && options_.kind == Prediction::velocity) {
         track.velocity = (place - track.place) * (1.0 / seconds);
         track.place = place;
-    } else {
+    } else if (seconds > 0.0) {
         filter(track, place, seconds);
-    }
-    Vec3 way = options_.ahead_s * track.velocity;
-    if (options_.kind == Prediction::kalman && !fresh && seconds > 0.0) {
-        const double seen = distance(place, track.measured) / seconds + 2.0 * options_.place_noise_m / seconds;
-        if (const double most = options_.ahead_s * seen; norm(way) > most) way = (most / norm(way)) * way;
+        track.most_m_s = (distance(place, track.measured) + 2.0 * options_.place_noise_m) / seconds;
     }
     track.measured = place;
-    track.time_s = time_s;
-    return track.place + way;
+    track.time_s = measured_s;
+    const double speed = norm(track.velocity), part = speed > track.most_m_s ? track.most_m_s / speed : 1.0;
+    return track.place + (part * (options_.ahead_s + now_s - measured_s)) * track.velocity;
 }
 
 void Predictor::forget_before(double time_s) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string_view>
@@ -31,8 +32,9 @@ class Predictor {
 public:
     /// @throws Error{bad_argument} for a latency that is negative, or noise that is not positive
     explicit Predictor(const PredictorOptions& options);
-    /// Where a finger that was measured at a time will be `ahead_s` later.
-    [[nodiscard]] Vec3 ahead(std::uint64_t finger, Vec3 place, double time_s);
+    /// Where a finger will be `ahead_s` after a time, not earlier than that at which it was measured. One measured at
+    /// the time of the last one is no new one.
+    [[nodiscard]] Vec3 ahead(std::uint64_t finger, Vec3 place, double measured_s, double now_s);
     /// Forgets all fingers that were last measured before a time.
     void forget_before(double time_s);
 
@@ -40,6 +42,7 @@ private:
     struct Track {
         double time_s = 0.0;
         Vec3 place, velocity, measured;
+        double most_m_s = HUGE_VAL;        ///< of the velocity, that the last two places say
         std::array<double, 3> variance{};  ///< of place, of both together, and of velocity; the same in x, y and z
     };
     void filter(Track& track, Vec3 place, double seconds) const;

@@ -117,7 +117,7 @@ std::optional<Path> ShotRings::ring_of(const SceneFinger& finger, const std::opt
             counts_.no_section,
             fmt::format("has {} points beside the surface that are no section of a finger", finger.section.size()));
     Ellipse placed = section->ellipse;
-    placed.centre = predictor_.ahead(finger.id, placed.centre, report.time_s);
+    placed.centre = predictor_.ahead(finger.id, placed.centre, report.time_s, report.time_s);
     const auto last = last_start_.find(finger.id);
     const std::optional<Vec3> start = last == last_start_.end() ? std::optional<Vec3>{} : last->second;
     Path ring = ring_path({&placed, 1}, {&start, 1}, carrier_hz_, options_.ring);
@@ -205,6 +205,8 @@ std::optional<Path> ShotRings::feel(const Frame& frame, ShotReport& report) {
         cloud = clouds_.cloud(cameras_, both->shot);
     }
     for (const Hand& hand : (both != nullptr ? both->hands : std::get<HandFrame>(frame.seen)).hands) {
+        // One that is still where its tracker saw it before is missing; it has not stopped.
+        if (hand.seen_s && std::exchange(last_seen_s_[hand.id], *hand.seen_s) == *hand.seen_s) continue;
         const std::vector<Vec3> some = cloud_of(hand);
         cloud.insert(cloud.end(), some.begin(), some.end());
     }

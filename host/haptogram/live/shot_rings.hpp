@@ -79,7 +79,8 @@ private:
     Predictor predictor_;
     RingWeigher weigher_;
     ShotCounts counts_;
-    std::map<std::uint64_t, Vec3> last_start_;  ///< by finger: where its ring begins
+    std::map<std::uint64_t, Vec3> last_start_;    ///< by finger: where its ring begins
+    std::map<std::int64_t, double> last_seen_s_;  ///< by hand, of several sources
     perception::Tables tables_;
     std::unique_ptr<perception::CommandLattice> commands_;  ///< when a magnitude is wanted
 };
