@@ -14,6 +14,9 @@ NUMBERS = {"uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "uint16_t": 
 
 
 KEYWORDS = {"event"}  # of C#
+# The runtime keeps a SafeHandle's pointer alive during a call, and refuses one that was disposed of. What releases it has the bare pointer.
+HANDLES = {"haptogram_board": "Board", "haptogram_image": "Image"}
+RELEASES = {"haptogram_close", "haptogram_free_image"}
 
 
 @dataclass
@@ -90,9 +93,12 @@ def csharp(header):
         lines += ["    }", ""]
     lines += ["    internal static class Native", "    {", f"        internal const int Abi = {header.abi};", '        private const string Library = "haptogram";']
     for name, (returns, given) in header.functions.items():
+        def taken(p, releases=name in RELEASES):
+            return HANDLES[p.type] if p.type in HANDLES and p.stars == 1 and not releases else csharp_type(p, header.structs)
+
         kind = "void" if returns.type == "void" and not returns.stars else csharp_type(returns, header.structs)
         lines += ["", "        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]",
-                  f"        internal static extern {kind} {name}({', '.join(f'{csharp_type(p, header.structs)} {p.name}' for p in given)});"]
+                  f"        internal static extern {kind} {name}({', '.join(f'{taken(p)} {p.name}' for p in given)});"]
     return "\n".join([*lines, "    }", "}", ""])
 
 

@@ -140,21 +140,23 @@ HAPTOGRAM_API haptogram_code haptogram_upload(haptogram_board* board, const hapt
 typedef struct haptogram_playing {
     uint32_t size;
     int32_t loops;        /* passes of an image; default: as the image says; −1: for ever */
-    uint32_t watchdog_ms; /* outputs go off when this program is silent for so long, up to 65535; default: 500 */
+    uint32_t watchdog_ms; /* outputs go off when the board hears nothing of this process for so long, up to 65535; default: 500 */
     double seconds;       /* not longer than this; default: no limit */
     const char* am;       /* a waveform for all amplitudes, such as "sine:200"; default: the image's own */
     double step_s;        /* live foci: how long one stays before a newer one can follow; default: 0.2 ms, and longer on a line that is too slow */
+    int32_t stale_ms;     /* live foci and patterns: silent when the newest was put longer ago, so that a program that hangs leaves none on;
+                             default: as watchdog_ms; −1: they stay */
 } haptogram_playing;
 /* Begins, and returns; NULL is all defaults. The outputs are on until it ends. One at a time. */
 HAPTOGRAM_API haptogram_code haptogram_play(haptogram_board* board, const haptogram_playing* playing);
-/* The same with a focus that stays where it was put until it is put elsewhere; silent before it was put. An image of foci
-   must have been uploaded, which says where the channels are. */
+/* The same with a focus that stays where it was put, for stale_ms, until it is put again; silent before it was put, and when it
+   was refused. The end of playing forgets it. An image of foci must have been uploaded, which says where the channels are. */
 HAPTOGRAM_API haptogram_code haptogram_play_live(haptogram_board* board, const haptogram_playing* playing);
 /* Never waits for anything; the newest wins. May be called before haptogram_play_live. */
 HAPTOGRAM_API haptogram_code haptogram_set_focus(haptogram_board* board, double x_m, double y_m, double z_m, double amplitude);
 /* A pattern for each carrier period, on boards that take streams of them. A pattern is a word for each channel: in bits 7...0
    where in the period the middle of its pulse lies, in 1/256; in bits 15...8 its amplitude, 255 is full. The board's last
-   records are overwritten. When no pattern waits, the last one plays on; silent before the first. */
+   records are overwritten. When no pattern waits, the last one plays on, for stale_ms; silent before the first. */
 HAPTOGRAM_API haptogram_code haptogram_play_patterns(haptogram_board* board, const haptogram_playing* playing);
 /* Neither waits for anything. The first appends patterns to those that wait, 4096 at most, and says how many there was room
    for; with the second the newest wins, in the place of all that wait. */

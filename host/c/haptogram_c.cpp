@@ -190,6 +190,8 @@ haptogram_playing known_playing(const haptogram_playing* given) {
     if (given == nullptr) return {};
     const haptogram_playing known = known_part(given, "playing");
     if (known.loops > 65535) throw bad_argument("loops", fmt::format("found {}, expected at most 65535", known.loops));
+    if (known.stale_ms < -1)
+        throw bad_argument("stale_ms", fmt::format("found {}, expected −1 or more", known.stale_ms));
     if (known.watchdog_ms > 65535)
         throw bad_argument("watchdog_ms", fmt::format("found {}, expected at most 65535", known.watchdog_ms));
     return known;
@@ -210,6 +212,7 @@ haptogram::link::BackgroundPlay playing_alone(const haptogram_playing* given) {
     auto playing = playing_of<haptogram::link::BackgroundPlay>(known);
     if (known.am != nullptr) playing.am = known.am;
     if (known.step_s != 0.0) playing.step_s = known.step_s;
+    if (known.stale_ms != 0) playing.stale_ms = static_cast<std::uint32_t>(std::max(0, known.stale_ms));
     return playing;
 }
 
@@ -217,6 +220,7 @@ haptogram::link::RigSettings playing_together(const haptogram_playing* given) {
     const haptogram_playing known = known_playing(given);
     if (known.am != nullptr) throw bad_argument("am", "a rig plays as it was compiled; compile it with that setting");
     if (known.step_s != 0.0) throw bad_argument("step_s", "has no meaning with an image, which has times of its own");
+    if (known.stale_ms != 0) throw bad_argument("stale_ms", "has no meaning with an image, which plays without it");
     return playing_of<haptogram::link::RigSettings>(known);
 }
 

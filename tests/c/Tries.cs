@@ -29,6 +29,28 @@ static class Tries
         }
     }
 
+    static string Refused(Action use)
+    {
+        try
+        {
+            use();
+            return "nothing";
+        }
+        catch (ObjectDisposedException error)
+        {
+            return error.GetType().Name;
+        }
+    }
+
+    static void IsGone(string port)
+    {
+        var board = new Board(port);
+        board.Dispose();
+        Image image = Image.OfFoci(new[] { new Focus(0, 0, 0.15) });
+        image.Dispose();
+        Console.WriteLine("gone " + Refused(() => board.Wait(0)) + " " + Refused(() => board.PlayLive()) + " " + Refused(() => image.Save("gone.hex")));
+    }
+
     static void Moves(string port, double seconds)
     {
         using (Image image = Image.OfFoci(new[] { new Focus(0, 0, 0.15) }, null, "tile-100-wide", "tile-10x10", true))
@@ -78,6 +100,7 @@ static class Tries
         Console.WriteLine("version " + Library.Version);
         Compiles(arguments[0]);
         Fails();
+        IsGone("reference:tile-100-wide");
         Moves("reference:tile-100-wide", 1.0);
         Patterns("reference:colorlight-5a-75e-v7.1-net");
         Axes();

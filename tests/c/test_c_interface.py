@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -297,6 +298,8 @@ def test_a_live_focus(c, live_image, board, ends):
     c.ok(c.upload(board, live_image))
     c.fails(c.play_live(board, ctypes.byref(c.struct("playing", loops=2))), "BAD_ARGUMENT", "loops")
     c.fails(c.play(board, ctypes.byref(c.struct("playing", step_s=1e-3))), "BAD_ARGUMENT", "step_s")
+    c.fails(c.play(board, ctypes.byref(c.struct("playing", stale_ms=100))), "BAD_ARGUMENT", "stale_ms")
+    c.fails(c.play_live(board, ctypes.byref(c.struct("playing", stale_ms=-2))), "BAD_ARGUMENT", "stale_ms: found -2")
     c.ok(c.play_live(board, ctypes.byref(c.struct("playing", am=b"sine:200"))))
     c.fails(c.set_focus(board, 0, 0, 0.15, 2.0), "BAD_INPUT", "amplitude")
     c.fails(c.set_focus(board, 5, 0, 0.15, 1.0), "BAD_INPUT", "5")
@@ -325,6 +328,48 @@ def test_setting_a_focus_costs_its_caller_nothing(c, tmp_path):
     median_us, longest_us = map(float, done.stdout.split())
     print(f"set_focus: median {median_us} us, longest {longest_us} us")
     assert median_us < 5.0
+
+
+@pytest.mark.parametrize("ends", ["stop", "shut_off"])
+def test_what_waits_for_a_board_does_not_begin_after_it_was_ended(c, tmp_path, ends):
+    """The board is unplugged, one thread asks to play, another ends that, and the board comes back."""
+    def plug_in():
+        (tmp_path / "board").unlink(missing_ok=True)
+        run = [PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"]
+        process = subprocess.Popen(run, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        until(lambda: (tmp_path / "board").exists(), 20)
+        return process
+
+    board = plug_in()
+    handle = c.made(c.open, c.struct("port", port=str(tmp_path / "board").encode(), patience_ms=20000))
+    board.send_signal(signal.SIGINT)
+    board.wait()
+    until(lambda: not status_of(c, handle).connected)
+    codes = {}
+
+    def call(name, *given):
+        codes[name] = getattr(c, name)(handle, *given)
+
+    plays = threading.Thread(target=call, args=("play", ctypes.byref(c.struct("playing", loops=-1))), daemon=True)
+    plays.start()
+    time.sleep(0.3)
+    off = threading.Thread(target=call, args=(ends,), daemon=True)
+    off.start()
+    time.sleep(0.3)
+    board = plug_in()
+    try:
+        for thread in (plays, off):
+            thread.join(timeout=10)
+            assert not thread.is_alive(), f"{ends} never returns"
+        assert codes["play"] == c.header.codes["HAPTOGRAM_CANCELLED"], codes
+        until(lambda: status_of(c, handle).connected, 20)
+        time.sleep(0.5)
+        found = status_of(c, handle)
+        assert not found.enabled and not found.busy
+        c.close(handle)
+    finally:
+        board.send_signal(signal.SIGINT)
+        board.wait()
 
 
 @pytest.mark.parametrize("example", sorted((ROOT / "host/c/examples").glob("*.c")), ids=lambda path: path.stem)

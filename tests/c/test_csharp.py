@@ -29,6 +29,7 @@ def test_images_and_boards_from_csharp(c, tmp_path):
     c.free_image(image)
     assert float(said["pressure"]) > 100 and said["solved"] == "200"
     assert re.match(r"3 project.*points", said["error"])  # the words that any other language hears
+    assert said["gone"] == " ".join(["ObjectDisposedException"] * 3)
     moved = re.match(r"([0-9.]+) enabled True channels 100", said["moved"])
     print(f"live foci from C#: {float(moved[1]):.0f} a second")
     assert float(moved[1]) > 1000, "targets are measured on an idle machine"

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -20,6 +21,10 @@ void require_unset(bool set, const char* setting, const char* with) {
     if (set) throw bad_argument(setting, fmt::format("has no meaning with {}; leave it out", with));
 }
 
+std::chrono::milliseconds most_age(const BackgroundPlay& how) {
+    return std::chrono::milliseconds(how.stale_ms.value_or(how.watchdog_ms));
+}
+
 }  // namespace
 
 BackgroundPlayer::BackgroundPlayer(std::function<std::unique_ptr<Transport>()> open, std::chrono::milliseconds patience)
@@ -35,6 +40,7 @@ BackgroundWork BackgroundPlayer::work() const {
     const std::lock_guard lock(mutex_);
     BackgroundWork work = work_;
     work.busy = busy;
+    work.trouble = thread_.trouble();
     return work;
 }
 
@@ -44,6 +50,40 @@ void BackgroundPlayer::upload(const Bundle& bundle) {
     link::upload(*device, bundle.image);
     const std::lock_guard lock(mutex_);
     intensity_.emplace(bundle.image);
+    uploaded_modulation_ = bundle.image.modulation;
+    all_amplitudes_ = std::ranges::none_of(
+        bundle.image.records, [](const Record& record) { return record.kind == interface::Kind::timings; });
+    other_modulation_ = false;
+}
+
+/// Whether a waveform and the factor that was set are the same memory's of the device.
+bool BackgroundPlayer::is_weighed(const Commands& device) const {
+    const std::lock_guard lock(mutex_);
+    // Of records that have timings link::play() says which.
+    return intensity_ && intensity_->has_amplitudes() && all_amplitudes_ && device.identity().modulation_words > 0;
+}
+
+/// A waveform while the result lives, of the factor that was set; what set_intensity() does then is of the waveform.
+std::shared_ptr<void> BackgroundPlayer::modulated(Commands& device, const Modulation& modulation) {
+    const std::lock_guard lock(mutex_);
+    // An image that somebody else uploaded has no factor here.
+    if (!intensity_ || !intensity_->has_amplitudes()) return std::make_shared<ModulationOn>(device, modulation);
+    const SampledModulation samples = sampled(modulation, std::size_t{2} * device.identity().modulation_words, "board");
+    other_modulation_ = true;
+    intensity_->modulate(device, samples);
+    return {this, [this, &device](void*) {
+                try {
+                    modulate_as_uploaded(device);
+                } catch (const Error&) {  // the outputs were shut off, or the board is gone: before it plays next
+                }
+            }};
+}
+
+void BackgroundPlayer::modulate_as_uploaded(Commands& device) {
+    const std::lock_guard lock(mutex_);
+    if (!other_modulation_) return;
+    intensity_->modulate(device, uploaded_modulation_);
+    other_modulation_ = false;
 }
 
 void BackgroundPlayer::begin(std::function<void(Commands&)> work) {
@@ -51,22 +91,31 @@ void BackgroundPlayer::begin(std::function<void(Commands&)> work) {
         const std::shared_ptr<Commands> device = device_.channel();
         const std::lock_guard lock(mutex_);
         work_ = {};
-        return [device, work = std::move(work)] { work(*device); };
+        return [this, device, work = std::move(work)] {
+            modulate_as_uploaded(*device);
+            work(*device);
+        };
     });
 }
 
 void BackgroundPlayer::play(const BackgroundPlay& how) {
     require_unset(how.step_s.has_value(), "step_s", "an image, which has times of its own");
+    require_unset(how.stale_ms.has_value(), "stale_ms", "an image, which plays without this program");
     begin([this, how](Commands& device) {
-        const PlaySettings settings{
+        PlaySettings settings{
             .loops = how.loops, .seconds = how.seconds, .watchdog_ms = how.watchdog_ms, .am = {.waveform = how.am}};
+        std::shared_ptr<void> waveform;
+        if (!how.am.empty() && is_weighed(device)) {
+            settings.am = {};
+            waveform = modulated(device, modulation_of({.waveform = how.am}, device));
+        }
         link::play(device, settings, [this](const Playing&) { return !thread_.ending(); });
     });
 }
 
 void BackgroundPlayer::play_live(const BackgroundPlay& how) {
     require_unset(how.loops.has_value(), "loops", "live foci, which have no end");
-    LiveFocusSettings settings{.watchdog_ms = how.watchdog_ms};
+    LiveFocusSettings settings{.watchdog_ms = how.watchdog_ms, .most_age = most_age(how)};
     if (how.step_s) settings.step_s = *how.step_s;
     begin_live(how, 0.0, [this, settings](Commands& device, const Told& told) {
         play_live_focus(device, settings, mailbox_,
@@ -78,8 +127,8 @@ void BackgroundPlayer::play_patterns(const BackgroundPlay& how) {
     require_unset(how.loops.has_value(), "loops", "live patterns, which have no end");
     require_unset(how.step_s.has_value(), "step_s", "live patterns, of which each lasts one carrier period");
     begin_live(how, 1.0 / pattern_period_s, [this, how](Commands& device, const Told& told) {
-        const PatternSource source = [this](std::uint64_t, std::span<std::uint16_t> patterns) {
-            return std::optional(patterns_.take(patterns));
+        const PatternSource source = [this, age = most_age(how)](std::uint64_t, std::span<std::uint16_t> patterns) {
+            return std::optional(patterns_.take(patterns, age));
         };
         link::play_patterns(device, {.watchdog_ms = how.watchdog_ms}, source, [&](const PatternsPlaying& now) {
             return told({.sent = now.played.sent,
@@ -96,9 +145,10 @@ void BackgroundPlayer::begin_live(const BackgroundPlay& how, double carrier_hz,
                                   const std::function<void(Commands&, const Told&)>& work) {
     begin([this, how, carrier_hz, work](Commands& device) {
         const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(how.seconds);
-        std::optional<ModulationOn> modulated;
+        const std::shared_ptr<void> silent_then(this, [this](void*) { clear(); });
+        std::shared_ptr<void> waveform;
         if (!how.am.empty())
-            modulated.emplace(device, modulation_of({.waveform = how.am, .carrier_hz = carrier_hz}, device));
+            waveform = modulated(device, modulation_of({.waveform = how.am, .carrier_hz = carrier_hz}, device));
         work(device, [&](const BackgroundWork& now) {
             const std::lock_guard lock(mutex_);
             work_ = now;
@@ -133,10 +183,15 @@ void BackgroundPlayer::stop() {
 
 void BackgroundPlayer::shut_off() {
     const std::uint64_t asked = device_.shut_off();
+    thread_.end();             // before anything is waited for: what had not begun yet does not begin
+    thread_.forget_trouble();  // that it was shut off is what was asked for
     if (!device_.wait_off(asked, confirmation))
         throw Error(ErrorCode::device, "board", not_confirmed(device_.state().status.watchdog_ms));
-    thread_.end();
-    thread_.forget_trouble();  // that it was shut off is what was asked for
+}
+
+void BackgroundPlayer::clear() {
+    mailbox_.clear();
+    patterns_.clear();
 }
 
 void BackgroundPlayer::set_intensity(double factor) {

@@ -25,6 +25,9 @@ struct BackgroundPlay {
     std::uint16_t watchdog_ms = 500;
     double seconds = 0.0;
     std::string am{};
+    /// Of live foci and patterns: silent when no newer one came for so long. 0: it stays; by default the watchdog's
+    /// time, because the thread here keeps the watchdog quiet while the program's own may hang.
+    std::optional<std::uint32_t> stale_ms{};
 };
 
 /// What goes on while something plays in the background.
@@ -33,6 +36,7 @@ struct BackgroundWork {
     std::uint64_t sent = 0;  ///< live foci or patterns
     double lead_s = 0.0;     ///< what the board has in hand of them
     std::uint64_t late_patterns = 0, lost_patterns = 0;
+    std::string trouble{};  ///< what ended it, until wait() has thrown that
 };
 
 /// A board behind a port, for callers that do not wait: what plays does so in a thread of its own.
@@ -53,10 +57,13 @@ public:
     /// These three throw Error{bad_argument} naming a setting that has no meaning with what is to play.
     void play(const BackgroundPlay& how);
     void play_live(const BackgroundPlay& how);
+    /// What is put is forgotten when what plays ends: the next one begins silent. @throws as FocusMailbox::put()
     void set_focus(const Focus& focus) { mailbox_.put(focus); }
     /// Plays the patterns of amplitudes that are put there, each for a carrier period, and then the last one on.
     void play_patterns(const BackgroundPlay& how);
     [[nodiscard]] PatternQueue& patterns() { return patterns_; }
+    /// Forgets the focus and the patterns that were put.
+    void clear();
     /// @return whether what was begun goes on  @throws what ended it, once
     bool wait(std::chrono::milliseconds patience);
     void stop();
@@ -72,6 +79,9 @@ private:
     void begin(std::function<void(Commands&)> work);
     void begin_live(const BackgroundPlay& how, double carrier_hz,
                     const std::function<void(Commands&, const Told&)>& work);
+    [[nodiscard]] bool is_weighed(const Commands& device) const;
+    [[nodiscard]] std::shared_ptr<void> modulated(Commands& device, const Modulation& modulation);
+    void modulate_as_uploaded(Commands& device);
     void settle();
 
     FocusMailbox mailbox_;
@@ -79,6 +89,9 @@ private:
     PatternQueue patterns_;
     mutable std::mutex mutex_;
     std::optional<Intensity> intensity_;
+    std::optional<SampledModulation> uploaded_modulation_;
+    bool all_amplitudes_ = false;    // of its records, every one
+    bool other_modulation_ = false;  // a waveform is in the board, in the place of what was uploaded
     BackgroundWork work_;
     BackgroundThread thread_;
 };

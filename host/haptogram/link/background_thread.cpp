@@ -12,7 +12,7 @@ void BackgroundThread::begin(const std::function<std::function<void()>()>& prepa
     if (busy()) throw bad_argument("play", "something plays already; stop it first");
     if (thread_.joinable()) thread_.join();
     std::function<void()> work = prepare();
-    end_ = false;
+    if (ending()) throw Error(ErrorCode::cancelled, "play", "it was stopped before it had begun");
     const std::lock_guard lock(mutex_);
     busy_ = true;
     trouble_ = nullptr;
@@ -44,9 +44,22 @@ bool BackgroundThread::wait(std::chrono::milliseconds patience) {
 }
 
 void BackgroundThread::end() {
-    end_ = true;
+    ++enders_;
     const std::lock_guard one(beginning_);
     if (thread_.joinable()) thread_.join();
+    --enders_;
+}
+
+std::string BackgroundThread::trouble() const {
+    const std::lock_guard lock(mutex_);
+    if (!trouble_) return {};
+    try {
+        std::rethrow_exception(trouble_);
+    } catch (const std::exception& error) {
+        return error.what();
+    } catch (...) {
+        return "an unknown exception";
+    }
 }
 
 void BackgroundThread::forget_trouble() {

@@ -6,6 +6,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 namespace haptogram::link {
@@ -18,24 +19,29 @@ public:
     BackgroundThread& operator=(const BackgroundThread&) = delete;
     ~BackgroundThread() { end(); }
 
-    /// @throws Error{bad_argument} when something goes on already; what `prepare` does, in this thread
+    /// @throws Error{bad_argument} when something goes on already; Error{cancelled} when end() is called meanwhile;
+    /// what
+    ///         `prepare` does, in this thread
     /// @param prepare  gives the work
     void begin(const std::function<std::function<void()>()>& prepare);
     [[nodiscard]] bool busy() const;
-    /// Whether end() was called since it began: the work looks at it.
-    [[nodiscard]] bool ending() const { return end_; }
+    /// Whether somebody is in end(): the work looks at it.
+    [[nodiscard]] bool ending() const { return enders_ > 0; }
     /// @return whether it goes on  @throws what ended it, once
     bool wait(std::chrono::milliseconds patience);
-    /// Asks the work to end, and waits for that.
+    /// Asks the work to end, and waits for that. What is about to begin does not.
     void end();
     void forget_trouble();
+    /// In words, what ended the last work; empty when nothing did, once wait() has thrown it, and when there is new
+    /// work.
+    [[nodiscard]] std::string trouble() const;
 
 private:
     mutable std::mutex mutex_;
     std::condition_variable ended_;
     std::mutex beginning_;  // one caller at a time begins or joins
     std::thread thread_;
-    std::atomic<bool> end_ = false;
+    std::atomic<unsigned> enders_ = 0;  // callers in end(), so that none is forgotten while another begins
     bool busy_ = false;
     std::exception_ptr trouble_;
 };

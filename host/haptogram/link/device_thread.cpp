@@ -92,6 +92,7 @@ public:
         close_all(shut_off_error());
         urgent_ = true;
         work_.notify_all();
+        news_.notify_all();
         return ++state_.shut_offs;
     }
 
@@ -102,8 +103,9 @@ public:
 
     std::shared_ptr<Mailbox> open(std::chrono::milliseconds patience, Identity& identity) {
         Lock lock(mutex_);
-        news_.wait_for(lock, patience, [&] { return state_.connection == Connection::connected || ending_; });
-        if (ending_) std::rethrow_exception(shut_off_error());
+        const auto over = [&, before = state_.shut_offs] { return ending_ || state_.shut_offs != before; };
+        news_.wait_for(lock, patience, [&] { return state_.connection == Connection::connected || over(); });
+        if (over()) std::rethrow_exception(shut_off_error());
         if (state_.connection != Connection::connected)
             throw Error(ErrorCode::device, "board",
                         state_.trouble.empty() ? "it has not answered yet" : state_.trouble);

@@ -19,9 +19,9 @@ namespace haptogram::link {
 /// keep the watchdog quiet, tells the caller of each, and connects again after the link was lost.
 ///
 /// shut_off() overtakes everything: what any channel has queued is dropped, bytes that have not left the port are taken
-/// back, and disable goes out as the next frame. Channels that were opened before it fail from then on with
-/// Error{cancelled}, so no work of before can turn the outputs on again. After a loss their error is LinkLost, and the
-/// thread turns the outputs off as soon as it has the device back.
+/// back, and disable goes out as the next frame. Channels that were opened before it, and those that wait for a
+/// connection, fail from then on with Error{cancelled}, so no work of before can turn the outputs on again. After a
+/// loss their error is LinkLost, and the thread turns the outputs off as soon as it has the device back.
 class DeviceThread {
 public:
     struct Settings {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/base/error.hpp"
 #include "haptogram/format/focus_engine.hpp"
 #include "haptogram/link/focus_ring.hpp"
 #include "haptogram/link/live_feed.hpp"
@@ -52,7 +53,22 @@ private:
 
 }  // namespace
 
-void FocusMailbox::put(const Focus& focus) { words_ = std::bit_cast<std::uint64_t>(pack_focus(focus)); }
+void FocusMailbox::put(const Focus& focus) {
+    try {
+        const auto words = std::bit_cast<std::uint64_t>(pack_focus(focus));
+        put_at_ = Clock::now().time_since_epoch().count();
+        words_ = words;
+    } catch (const Error&) {
+        clear();
+        throw;
+    }
+}
+
+std::uint64_t FocusMailbox::newest(std::chrono::milliseconds most_age) const {
+    const std::uint64_t words = words_;
+    const Clock::time_point put_at{Clock::duration(put_at_)};
+    return most_age.count() > 0 && Clock::now() - put_at > most_age ? 0 : words;
+}
 
 Played play_live_focus(Commands& device, const LiveFocusSettings& settings, const FocusMailbox& mailbox,
                        const std::function<bool(const LiveFocusPlaying&)>& watch) {
@@ -79,7 +95,7 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
             const std::size_t count = std::min(fifo.room(), wanted - std::min(wanted, level));
             if (count > 0) {
                 std::vector<std::uint16_t> words;
-                const auto focus = std::bit_cast<FocusWords>(mailbox.newest());
+                const auto focus = std::bit_cast<FocusWords>(mailbox.newest(settings.most_age));
                 for (std::size_t i = 0; i < count; ++i) add_record(words, focus, each);
                 fifo.push_foci(words, pace.dwell());
                 now.sent += count;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 
 #include "haptogram/format/path.hpp"
@@ -11,19 +12,25 @@ namespace haptogram::link {
 /// The focus that is wanted now. Whoever moves it never waits: it is one word, and the newest wins.
 class FocusMailbox {
 public:
-    /// @throws Error{bad_input} as pack_focus() does; what was there stays
+    /// @throws Error{bad_input} as pack_focus() does; then it is silent, for nobody wants what was there
     void put(const Focus& focus);
-    [[nodiscard]] std::uint64_t newest() const { return words_.load(std::memory_order_relaxed); }
+    void clear() { words_ = 0; }
+    /// @param most_age  it is silent when the newest was put longer ago; 0: never
+    [[nodiscard]] std::uint64_t newest(std::chrono::milliseconds most_age) const;
 
 private:
+    using Clock = std::chrono::steady_clock;
+
     std::atomic<std::uint64_t> words_ = 0;  ///< FocusWords; at first amplitude 0
+    std::atomic<Clock::rep> put_at_ = 0;
 };
 
 struct LiveFocusSettings {
-    std::uint16_t watchdog_ms = 500;  ///< outputs go off when this host is silent for so long; 0: never
-    double step_s = 0.2e-3;           ///< for so long a focus stays before a newer one can follow, at first
-    double lead_s = 0.6e-3;           ///< what the board has in hand at first
-    double most_lead_s = 50e-3;       ///< while the board runs dry, the lead grows up to this, and then the step
+    std::uint16_t watchdog_ms = 500;        ///< outputs go off when this host is silent for so long; 0: never
+    std::chrono::milliseconds most_age{0};  ///< of a focus; a program that hangs moves it no more. 0: it stays
+    double step_s = 0.2e-3;                 ///< for so long a focus stays before a newer one can follow, at first
+    double lead_s = 0.6e-3;                 ///< what the board has in hand at first
+    double most_lead_s = 50e-3;             ///< while the board runs dry, the lead grows up to this, and then the step
 };
 
 /// What goes on while a focus is live.

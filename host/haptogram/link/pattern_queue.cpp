@@ -26,14 +26,23 @@ void PatternQueue::set(std::span<const std::uint16_t> pattern) {
     waiting_.assign(pattern.begin(), pattern.end());
 }
 
-std::size_t PatternQueue::take(std::span<std::uint16_t> patterns) {
+void PatternQueue::clear() {
     const std::lock_guard lock(mutex_);
+    waiting_.clear();
+    last_.clear();
+}
+
+std::size_t PatternQueue::take(std::span<std::uint16_t> patterns, std::chrono::milliseconds most_age) {
+    const std::lock_guard lock(mutex_);
+    const auto now = Clock::now();
+    if (most_age.count() > 0 && waiting_.empty() && now - taken_at_ > most_age) last_.clear();
     const std::size_t count = patterns.size() / words_;
     for (std::size_t i = 0; i < count; ++i) {
         if (!waiting_.empty()) {
             const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(words_);
             last_.assign(waiting_.begin(), end);
             waiting_.erase(waiting_.begin(), end);
+            taken_at_ = now;
         }
         if (last_.empty()) return 0;
         std::ranges::copy(last_, patterns.begin() + static_cast<std::ptrdiff_t>(i * words_));

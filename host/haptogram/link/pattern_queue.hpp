@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -24,13 +25,18 @@ public:
     /// In the place of all that wait: the newest wins.
     void set(std::span<const std::uint16_t> pattern);
     /// Fills in the next ones. @return how many: all, or none before there was any
-    std::size_t take(std::span<std::uint16_t> patterns);
+    /// @param most_age  for so long the last one goes on; 0: for ever
+    std::size_t take(std::span<std::uint16_t> patterns, std::chrono::milliseconds most_age);
+    void clear();
 
 private:
+    using Clock = std::chrono::steady_clock;
+
     std::size_t words_;
     std::mutex mutex_;  // held while some words are copied
     std::deque<std::uint16_t> waiting_;
     std::vector<std::uint16_t> last_;
+    Clock::time_point taken_at_{};
 };
 
 }  // namespace haptogram::link

@@ -192,18 +192,18 @@ namespace Haptogram
 
         public void Save(string hexFile)
         {
-            using (var name = new Utf8(hexFile)) Library.Check(Native.haptogram_save_image(handle, name.Pointer));
+            using (var name = new Utf8(hexFile)) Library.Check(Native.haptogram_save_image(this, name.Pointer));
         }
 
-        private delegate UIntPtr Copies(IntPtr image, IntPtr to, UIntPtr room);
+        private delegate UIntPtr Copies(Image image, IntPtr to, UIntPtr room);
 
         private string TextOf(Copies copies)
         {
-            var length = (int)copies(handle, IntPtr.Zero, UIntPtr.Zero);
+            var length = (int)copies(this, IntPtr.Zero, UIntPtr.Zero);
             IntPtr to = Marshal.AllocHGlobal(length + 1);
             try
             {
-                copies(handle, to, (UIntPtr)length);
+                copies(this, to, (UIntPtr)length);
                 return Utf8.Read(to, length);
             }
             finally
@@ -229,7 +229,7 @@ namespace Haptogram
             GCHandle to = GCHandle.Alloc(found, GCHandleType.Pinned);
             try
             {
-                Library.Check(Native.haptogram_pressure(handle, record, ref MemoryMarshal.GetReference(pointsM), (UIntPtr)found.Length, to.AddrOfPinnedObject()));
+                Library.Check(Native.haptogram_pressure(this, record, ref MemoryMarshal.GetReference(pointsM), (UIntPtr)found.Length, to.AddrOfPinnedObject()));
                 return found;
             }
             finally
@@ -237,8 +237,6 @@ namespace Haptogram
                 to.Free();
             }
         }
-
-        internal IntPtr Pointer => handle;
     }
 
     public struct Status
@@ -284,7 +282,7 @@ namespace Haptogram
         private NativeIdentity Identity()
         {
             var found = new NativeIdentity { size = Library.SizeOf<NativeIdentity>() };
-            Library.Check(Native.haptogram_identify(handle, ref found));
+            Library.Check(Native.haptogram_identify(this, ref found));
             return found;
         }
 
@@ -294,7 +292,7 @@ namespace Haptogram
             get
             {
                 var found = new NativeStatus { size = Library.SizeOf<NativeStatus>() };
-                Library.Check(Native.haptogram_get_status(handle, ref found));
+                Library.Check(Native.haptogram_get_status(this, ref found));
                 return new Status
                 {
                     Connected = found.connected != 0, Enabled = found.enabled != 0, Stopped = found.stopped != 0, Busy = found.busy != 0,
@@ -309,17 +307,17 @@ namespace Haptogram
         /// <summary>Writes what the board does not hold already.</summary>
         public void Upload(Image image)
         {
-            Library.Check(Native.haptogram_upload(handle, image.Pointer));
+            Library.Check(Native.haptogram_upload(this, image));
         }
 
-        private delegate Code Begins(IntPtr board, ref NativePlaying playing);
+        private delegate Code Begins(Board board, ref NativePlaying playing);
 
-        private void Begin(Begins begins, int loops, double seconds, string am, uint watchdogMs)
+        private void Begin(Begins begins, int loops, double seconds, string am, uint watchdogMs, int staleMs = 0)
         {
             using (var waveform = new Utf8(am))
             {
-                var playing = new NativePlaying { size = Library.SizeOf<NativePlaying>(), loops = loops, seconds = seconds, am = waveform.Pointer, watchdog_ms = watchdogMs };
-                Library.Check(begins(handle, ref playing));
+                var playing = new NativePlaying { size = Library.SizeOf<NativePlaying>(), loops = loops, seconds = seconds, am = waveform.Pointer, watchdog_ms = watchdogMs, stale_ms = staleMs };
+                Library.Check(begins(this, ref playing));
             }
         }
 
@@ -331,15 +329,16 @@ namespace Haptogram
         }
 
         /// <summary>Begins to play the focus that was set last. An image of foci must have been uploaded.</summary>
-        public void PlayLive(double seconds = 0.0, string am = null, uint watchdogMs = 500)
+        /// <param name="staleMs">silent when it was set longer ago; 0: as watchdogMs; −1: it stays</param>
+        public void PlayLive(double seconds = 0.0, string am = null, uint watchdogMs = 500, int staleMs = 0)
         {
-            Begin(Native.haptogram_play_live, 0, seconds, am, watchdogMs);
+            Begin(Native.haptogram_play_live, 0, seconds, am, watchdogMs, staleMs);
         }
 
-        /// <summary>Never waits; the newest wins.</summary>
+        /// <summary>Never waits; the newest wins. One that is refused is silence.</summary>
         public void SetFocus(double x, double y, double z, double amplitude = 1.0)
         {
-            Library.Check(Native.haptogram_set_focus(handle, x, y, z, amplitude));
+            Library.Check(Native.haptogram_set_focus(this, x, y, z, amplitude));
         }
 
         public void SetFocus(Focus focus)
@@ -348,9 +347,10 @@ namespace Haptogram
         }
 
         /// <summary>Begins to play patterns, a new one in each carrier period.</summary>
-        public void PlayPatterns(double seconds = 0.0, string am = null, uint watchdogMs = 500)
+        /// <param name="staleMs">silent when the newest was put longer ago; 0: as watchdogMs; −1: the last one stays</param>
+        public void PlayPatterns(double seconds = 0.0, string am = null, uint watchdogMs = 500, int staleMs = 0)
         {
-            Begin(Native.haptogram_play_patterns, 0, seconds, am, watchdogMs);
+            Begin(Native.haptogram_play_patterns, 0, seconds, am, watchdogMs, staleMs);
         }
 
         /// <summary>Appends patterns, each a word for each channel: phase in 1/256 of the period in bits 7…0, amplitude in bits 15…8. Never waits.</summary>
@@ -359,22 +359,22 @@ namespace Haptogram
         {
             if (words.Length % Channels != 0) throw new ArgumentException($"expected whole patterns of {Channels} words", "words");
             var taken = UIntPtr.Zero;
-            Library.Check(Native.haptogram_put_patterns(handle, ref MemoryMarshal.GetReference(words), (UIntPtr)(words.Length / Channels), ref taken));
+            Library.Check(Native.haptogram_put_patterns(this, ref MemoryMarshal.GetReference(words), (UIntPtr)(words.Length / Channels), ref taken));
             return (int)taken;
         }
 
-        /// <summary>One pattern that stays, in the place of all that wait. Never waits.</summary>
+        /// <summary>One pattern that goes on, in the place of all that wait. Never waits.</summary>
         public void SetPattern(ReadOnlySpan<ushort> words)
         {
             if (words.Length != Channels) throw new ArgumentException($"expected {Channels} words", "words");
-            Library.Check(Native.haptogram_set_pattern(handle, ref MemoryMarshal.GetReference(words)));
+            Library.Check(Native.haptogram_set_pattern(this, ref MemoryMarshal.GetReference(words)));
         }
 
         /// <summary>Waits until what was begun has ended, at most so long. Whether it goes on.</summary>
         public bool Wait(uint milliseconds)
         {
             int busy = 0;
-            Library.Check(Native.haptogram_wait(handle, milliseconds, ref busy));
+            Library.Check(Native.haptogram_wait(this, milliseconds, ref busy));
             return busy != 0;
         }
 
@@ -382,25 +382,25 @@ namespace Haptogram
         public void SetTrigger(Event what, uint everyPeriods = 1, double pulseSeconds = 1e-3)
         {
             var trigger = new NativeTrigger { size = Library.SizeOf<NativeTrigger>(), @event = (uint)what, every_periods = everyPeriods, pulse_s = pulseSeconds };
-            Library.Check(Native.haptogram_set_trigger(handle, ref trigger));
+            Library.Check(Native.haptogram_set_trigger(this, ref trigger));
         }
 
         /// <summary>Ends what was begun in good order, and turns the outputs off.</summary>
         public void Stop()
         {
-            Library.Check(Native.haptogram_stop(handle));
+            Library.Check(Native.haptogram_stop(this));
         }
 
         /// <summary>Turns the outputs off ahead of everything.</summary>
         public void ShutOff()
         {
-            Library.Check(Native.haptogram_shut_off(handle));
+            Library.Check(Native.haptogram_shut_off(this));
         }
 
         /// <summary>Of all that the uploaded image plays, 0 to 1; also while it plays.</summary>
         public void SetIntensity(double factor)
         {
-            Library.Check(Native.haptogram_set_intensity(handle, factor));
+            Library.Check(Native.haptogram_set_intensity(this, factor));
         }
     }
 }

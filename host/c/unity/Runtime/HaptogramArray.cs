@@ -24,7 +24,7 @@ namespace Haptogram
         [Tooltip("Modulation, such as sine:200; a focus at rest is not felt without one")]
         public string modulation = "sine:200";
 
-        [Tooltip("The outputs go off when this program is silent for so long, ms")]
+        [Tooltip("Silence when no frame has moved the focus for so long, ms, and outputs off when the whole program has gone")]
         public uint watchdogMs = 500;
 
         private Board _board;
@@ -63,7 +63,7 @@ namespace Haptogram
             }
             catch (HaptogramException error)
             {
-                Debug.LogWarning(error.Message, this);  // a focus out of reach, or a board that is gone
+                Debug.LogWarning(error.Message, this);  // a focus out of reach, which is silence, or a board that is gone
                 if (error.Code != Code.BadInput) OnDisable();
             }
         }

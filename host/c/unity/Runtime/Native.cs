@@ -113,6 +113,7 @@ namespace Haptogram
         public double seconds;
         public IntPtr am;
         public double step_s;
+        public int stale_ms;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -168,22 +169,22 @@ namespace Haptogram
         internal static extern Code haptogram_read_image(IntPtr hex_file, out IntPtr image);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_save_image(IntPtr image, IntPtr hex_file);
+        internal static extern Code haptogram_save_image(Image image, IntPtr hex_file);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_image_hex(IntPtr image, IntPtr to, UIntPtr room);
+        internal static extern UIntPtr haptogram_image_hex(Image image, IntPtr to, UIntPtr room);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_image_manifest(IntPtr image, IntPtr to, UIntPtr room);
+        internal static extern UIntPtr haptogram_image_manifest(Image image, IntPtr to, UIntPtr room);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_image_warnings(IntPtr image, IntPtr to, UIntPtr room);
+        internal static extern UIntPtr haptogram_image_warnings(Image image, IntPtr to, UIntPtr room);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern void haptogram_free_image(IntPtr image);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_pressure(IntPtr image, uint record, ref double points_m, UIntPtr points, IntPtr pressure_pa);
+        internal static extern Code haptogram_pressure(Image image, uint record, ref double points_m, UIntPtr points, IntPtr pressure_pa);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_solve(IntPtr array, IntPtr foci, UIntPtr count, IntPtr method, IntPtr drives, ref UIntPtr elements);
@@ -195,48 +196,48 @@ namespace Haptogram
         internal static extern void haptogram_close(IntPtr board);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_identify(IntPtr board, ref NativeIdentity identity);
+        internal static extern Code haptogram_identify(Board board, ref NativeIdentity identity);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_get_status(IntPtr board, ref NativeStatus status);
+        internal static extern Code haptogram_get_status(Board board, ref NativeStatus status);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_upload(IntPtr board, IntPtr image);
+        internal static extern Code haptogram_upload(Board board, Image image);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_play(IntPtr board, ref NativePlaying playing);
+        internal static extern Code haptogram_play(Board board, ref NativePlaying playing);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_play_live(IntPtr board, ref NativePlaying playing);
+        internal static extern Code haptogram_play_live(Board board, ref NativePlaying playing);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_set_focus(IntPtr board, double x_m, double y_m, double z_m, double amplitude);
+        internal static extern Code haptogram_set_focus(Board board, double x_m, double y_m, double z_m, double amplitude);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_play_patterns(IntPtr board, ref NativePlaying playing);
+        internal static extern Code haptogram_play_patterns(Board board, ref NativePlaying playing);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_put_patterns(IntPtr board, ref ushort words, UIntPtr patterns, ref UIntPtr taken);
+        internal static extern Code haptogram_put_patterns(Board board, ref ushort words, UIntPtr patterns, ref UIntPtr taken);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_set_pattern(IntPtr board, ref ushort words);
+        internal static extern Code haptogram_set_pattern(Board board, ref ushort words);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_wait(IntPtr board, uint milliseconds, ref int busy);
+        internal static extern Code haptogram_wait(Board board, uint milliseconds, ref int busy);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_stop(IntPtr board);
+        internal static extern Code haptogram_stop(Board board);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_shut_off(IntPtr board);
+        internal static extern Code haptogram_shut_off(Board board);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_set_intensity(IntPtr board, double factor);
+        internal static extern Code haptogram_set_intensity(Board board, double factor);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_set_trigger(IntPtr board, ref NativeTrigger trigger);
+        internal static extern Code haptogram_set_trigger(Board board, ref NativeTrigger trigger);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_get_trigger_times(IntPtr board, ref NativeTriggerTimes times);
+        internal static extern Code haptogram_get_trigger_times(Board board, ref NativeTriggerTimes times);
     }
 }

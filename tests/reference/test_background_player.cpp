@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/background_player.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "pace.hpp"
+#include "reference_board.hpp"
+
+using namespace haptogram;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr auto configuration = "tile-100-wide";
+
+/// A board in this process, in real time, whose pulses are counted.
+class CountedPort final : public link::Transport {
+public:
+    explicit CountedPort(std::atomic<std::uint64_t>& pulses) : board_(configuration) {
+        board_.on_edge([&pulses](const sim::Edge& edge) { pulses += edge.rises ? 1 : 0; });
+    }
+    void write(std::span<const std::uint8_t> bytes) override {
+        catch_up();
+        board_.send(bytes);
+    }
+    [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
+        const auto end = std::chrono::steady_clock::now() + patience;
+        for (catch_up(); board_.received() == 0 && std::chrono::steady_clock::now() < end; catch_up())
+            std::this_thread::sleep_for(std::min(patience, std::chrono::microseconds(100)));
+        return board_.receive();
+    }
+
+private:
+    void catch_up() {
+        const double behind_s = -pace_.ahead_s(simulated_s());
+        if (behind_s > 0.0) board_.run(static_cast<std::uint64_t>(behind_s * board_.parameters().clock_hz));
+        pace_.give_up(simulated_s());
+    }
+    [[nodiscard]] double simulated_s() const {
+        return static_cast<double>(board_.now()) / board_.parameters().clock_hz;
+    }
+
+    sim::ReferenceBoard board_;
+    sim::Pace pace_{0.01};
+};
+
+bool soon(const std::function<bool()>& condition) {
+    for (const auto end = std::chrono::steady_clock::now() + 60s; std::chrono::steady_clock::now() < end;)
+        if (condition()) return true;
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("what plays in the background falls silent when it must", "[reference]") {
+    std::atomic<std::uint64_t> pulses = 0;
+    link::BackgroundPlayer player([&] { return std::make_unique<CountedPort>(pulses); }, 20s);
+    const Focus focus{{0.01, 0.0, 0.15}, 1.0};
+    Path still;
+    still.steps = {{.foci = {focus}, .periods = 1}};
+    player.upload(compile(still, find_array("tile-10x10"),
+                          {configuration, interface::find_configuration(configuration)->parameters}, 0, "image",
+                          Method::gauss_newton, {}, ImageKind::foci)
+                      .bundle);
+    const auto heard_within = [&](std::chrono::milliseconds time) {
+        const std::uint64_t before = pulses;
+        std::this_thread::sleep_for(time);
+        return pulses != before;
+    };
+    const auto falls_silent = [&] { return soon([&] { return !heard_within(200ms); }) && player.work().busy; };
+    const auto is_heard = [&] { return soon([&] { return heard_within(20ms); }); };
+    const auto begin = [&](const link::BackgroundPlay& how) {
+        player.play_live(how);
+        const bool begun = soon([&] { return player.work().sent > 1000; });
+        INFO("busy " << player.work().busy << ", sent " << player.work().sent << ", " << player.work().trouble);
+        REQUIRE(begun);
+    };
+
+    SECTION("nobody moves the focus any more") {
+        begin({.stale_ms = 300});
+        CHECK(soon([&] {
+            player.set_focus(focus);
+            return heard_within(20ms);
+        }));
+        CHECK(falls_silent());
+        player.set_focus(focus);
+        CHECK(is_heard());
+    }
+    SECTION("a focus is refused") {
+        begin({.stale_ms = 0});
+        player.set_focus(focus);
+        CHECK(is_heard());
+        std::this_thread::sleep_for(1s);
+        CHECK(is_heard());  // without a limit it stays
+        CHECK_THROWS_AS(player.set_focus({{5.0, 0.0, 0.15}, 1.0}), Error);
+        CHECK(falls_silent());
+    }
+    SECTION("the next to play has put nothing yet") {
+        begin({.stale_ms = 0});
+        player.set_focus(focus);
+        CHECK(is_heard());
+        player.stop();
+        begin({.stale_ms = 0});
+        CHECK(falls_silent());
+        CHECK(player.work().sent > 1000);
+        player.set_focus(focus);
+        CHECK(is_heard());
+    }
+    SECTION("the factor is 0, under a waveform") {
+        const bool live = GENERATE(true, false);
+        const auto again = [&] {
+            if (!live) return player.play({.loops = 0, .am = "sine:200"});
+            player.set_focus(focus);
+            begin({.am = "sine:200", .stale_ms = 0});
+        };
+        again();
+        CHECK(is_heard());
+        player.set_intensity(0.0);
+        CHECK(falls_silent());
+        player.set_intensity(1.0);
+        CHECK(is_heard());
+        player.set_intensity(0.0);
+        player.stop();
+        again();  // an earlier factor is this one's, too
+        REQUIRE(soon([&] { return player.state().status.enabled; }));
+        CHECK(!heard_within(300ms));
+        player.shut_off();  // which leaves the waveform in the board
+        player.set_intensity(1.0);
+        again();
+        CHECK(is_heard());
+    }
+}
