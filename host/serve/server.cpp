@@ -34,9 +34,10 @@ using net::ip::tcp;
 using net::ip::udp;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t most_clients = 16, most_message_bytes = 16 << 20, most_header_bytes = 8192;
-constexpr std::chrono::seconds handshake_time{5};
-constexpr int look_ms = 100;           // between two looks whether it is the end
+constexpr std::ptrdiff_t most_clients = 16;  // and as many strangers
+constexpr std::size_t most_message_bytes = 16 << 20, most_header_bytes = 8192;
+constexpr std::chrono::seconds handshake_time{5};  // all of it; asio's calls know no time
+constexpr int look_ms = 100;                       // between two looks whether it is the end
 constexpr double most_a_second = 200;  // requests of one client, but for foci; a second's worth may come at once
 
 /// Lets through so many a second.
@@ -55,12 +56,6 @@ private:
     double left_ = most_a_second;
     Clock::time_point last_ = Clock::now();
 };
-
-void limit_time(tcp::socket& socket, std::chrono::seconds most) {
-    const timeval time{most.count(), 0};
-    ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &time, sizeof time);
-    ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &time, sizeof time);
-}
 
 // A page cannot send the header Authorization, so it offers the token as a second subprotocol.
 constexpr const char* subprotocol = "haptogram.1";
@@ -110,17 +105,29 @@ public:
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
     ~Session() {
-        ::shutdown(stream_.next_layer().native_handle(), SHUT_RDWR);
+        hang_up();
         thread_.join();
     }
 
     [[nodiscard]] bool over() const { return over_; }
+    /// Whether it has shown that it may be let in.
+    [[nodiscard]] bool known() const { return stage_ == Stage::known; }
+    /// Whether it has not yet, and may still.
+    [[nodiscard]] bool stranger() const { return stage_ == Stage::stranger; }
+    [[nodiscard]] Clock::time_point since() const { return since_; }
+    /// Ends a stranger's session.
+    void turn_away() {
+        if (Stage expected = Stage::stranger; stage_.compare_exchange_strong(expected, Stage::turned_away)) hang_up();
+    }
 
 private:
+    enum class Stage { stranger, known, turned_away };
+
+    void hang_up() { ::shutdown(stream_.next_layer().native_handle(), SHUT_RDWR); }
+
     void talk() {
         tcp::socket& socket = stream_.next_layer();
         socket.set_option(tcp::no_delay(true));
-        limit_time(socket, handshake_time);
         beast::flat_buffer buffer;
         http::request_parser<http::string_body> parser;
         parser.header_limit(most_header_bytes);
@@ -135,13 +142,13 @@ private:
             http::write(socket, response);
             return;
         }
+        if (Stage expected = Stage::stranger; !stage_.compare_exchange_strong(expected, Stage::known)) return;
         stream_.read_message_max(most_message_bytes);
         if (offers(request, subprotocol))
             stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
                 response.set(http::field::sec_websocket_protocol, subprotocol);
             }));
         stream_.accept(request);
-        limit_time(socket, std::chrono::seconds(0));
         for (Allowance allowance;;) {
             beast::flat_buffer message;
             stream_.read(message);
@@ -161,7 +168,7 @@ private:
         }
         const std::string request(data, message.size());
         // A stop is never too much.
-        if (!allowance.take() && request.find("shut_off") == std::string::npos)
+        if (!allowance.take() && !Verbs::ends(request))
             send(failure(bad_argument("request", fmt::format("more than {:.0f} a second; foci as binary messages are "
                                                              "not counted",
                                                              most_a_second))));
@@ -180,8 +187,19 @@ private:
     Verbs::Client client_;
     websocket::stream<tcp::socket> stream_;
     std::atomic<bool> over_ = false;
+    std::atomic<Stage> stage_ = Stage::stranger;
+    Clock::time_point since_ = Clock::now();
     std::thread thread_;
 };
+
+/// Whether one more may come in. Clients that are known have their places; a stranger's goes to the next who comes when
+/// there are too many of them, the oldest first, so that nobody without the token can keep a client out.
+bool has_room(std::list<Session>& sessions) {
+    if (std::ranges::count_if(sessions, &Session::known) >= most_clients) return false;
+    const auto oldest = std::ranges::find_if(sessions, &Session::stranger);
+    if (std::ranges::count_if(sessions, &Session::stranger) >= most_clients) oldest->turn_away();
+    return true;
+}
 
 /// Takes what datagrams wait. What is wrong with one is printed, a line a second at most: its sender cannot be told.
 void take_datagrams(udp::socket& socket, Verbs& verbs, Clock::time_point& told) {
@@ -234,13 +252,16 @@ void run(Verbs& verbs, const ServerOptions& options, const std::function<void(st
     for (Verbs::Client next = Verbs::osc + 1; go_on();) {
         ::poll(waits.data(), waits.size(), look_ms);
         if (options.osc_port != 0) take_datagrams(datagrams, verbs, told);
+        verbs.expire();
+        for (Session& session : sessions)
+            if (Clock::now() - session.since() > handshake_time) session.turn_away();
         sessions.remove_if([](const Session& session) { return session.over(); });
         boost::system::error_code error;
         tcp::socket socket(context);
         door.accept(socket, error);
         if (error) continue;
         socket.non_blocking(false);
-        if (sessions.size() < most_clients) sessions.emplace_back(std::move(socket), verbs, options, port, next++);
+        if (has_room(sessions)) sessions.emplace_back(std::move(socket), verbs, options, port, next++);
     }
 }
 

@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <functional>
+#include <iterator>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/compile.hpp"
@@ -17,6 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr std::chrono::seconds osc_owns{1};  // after its last datagram
+constexpr std::string_view ending_verbs[] = {"stop", "shut_off", "leave"};
 
 const char* name_of(ErrorCode code) {
     switch (code) {
@@ -29,10 +33,11 @@ const char* name_of(ErrorCode code) {
     return "failed";
 }
 
-double number_of(const Json& request, const char* key, double standard) {
-    if (!request.contains(key)) return standard;
-    if (!request[key].is_number()) throw bad_argument(key, "expected a number, found " + request[key].dump());
-    return request[key].get<double>();
+double number_of(const Json& request, const char* key, std::optional<double> standard = {}) {
+    if (!request.contains(key) && standard) return *standard;
+    const Json& found = request.contains(key) ? request[key] : Json();
+    if (!found.is_number()) throw bad_argument(key, "expected a number, found " + found.dump());
+    return found.get<double>();
 }
 
 std::uint16_t whole_of(const Json& request, const char* key, std::uint16_t standard) {
@@ -42,10 +47,11 @@ std::uint16_t whole_of(const Json& request, const char* key, std::uint16_t stand
     return request[key].get<std::uint16_t>();
 }
 
-std::string text_of(const Json& request, const char* key, const std::string& standard = {}) {
-    if (!request.contains(key)) return standard;
-    if (!request[key].is_string()) throw bad_argument(key, "expected a text, found " + request[key].dump());
-    return request[key].get<std::string>();
+std::string text_of(const Json& request, const char* key, const std::optional<std::string>& standard = {}) {
+    if (!request.contains(key) && standard) return *standard;
+    const Json& found = request.contains(key) ? request[key] : Json();
+    if (!found.is_string()) throw bad_argument(key, "expected a text, found " + found.dump());
+    return found.get<std::string>();
 }
 
 Vec3 place_of(const Json& request) {
@@ -56,22 +62,32 @@ Vec3 place_of(const Json& request) {
     return {place[0].get<double>(), place[1].get<double>(), place[2].get<double>()};
 }
 
+/// A client that may drive the array need not be one that may read this machine's files.
+void require_no_files(const Project& project, const char* setting) {
+    if (const std::vector<std::string> files = files_of(project); !files.empty())
+        throw bad_argument(setting, fmt::format("names the file '{}'; of a client it takes built-in shapes and "
+                                                "waveforms, and shipped arrays and boards; send an image for others",
+                                                files.front()));
+}
+
 link::BackgroundPlay how_of(const Json& request) {
     link::BackgroundPlay how;
     if (request.contains("loops")) how.loops = whole_of(request, "loops", 0);
     how.watchdog_ms = whole_of(request, "watchdog_ms", how.watchdog_ms);
+    if (request.contains("stale_ms")) how.stale_ms = whole_of(request, "stale_ms", 0);
     how.seconds = number_of(request, "seconds", 0.0);
-    how.am = text_of(request, "am");
+    if (how.seconds < 0.0) throw bad_argument("seconds", fmt::format("found {}, expected 0 or more", how.seconds));
+    how.am = text_of(request, "am", "");
+    Project named;
+    named.am = how.am;
+    require_no_files(named, "am");
     return how;
 }
 
 Compiled compiled_of(const Json& request) {
     Project project = project_from_toml(text_of(request, "project"), "project");
-    // A client that may drive the array need not be one that may read this machine's files.
-    for (const ShapeSource& source : project.shapes)
-        if (!source.file.empty()) throw bad_argument("project", "takes built-in shapes only; send an image for others");
-    if (!project.path.empty() || project.hand)
-        throw bad_argument("project", "takes shapes only; send an image for others");
+    require_no_files(project, "project");
+    if (project.hand) throw bad_argument("project", "takes shapes only; send an image for others");
     for (const auto& name : {project.array, project.board})
         if (name && name->find('/') != std::string::npos)
             throw bad_argument("project", "takes shipped arrays and boards only, by their names");
@@ -89,12 +105,10 @@ Json failure(const std::exception& error) {
 
 void Verbs::own(Client client) {
     const std::lock_guard lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
-    if (owner_ == osc && now - last_osc_ > osc_owns) owner_.reset();
     if (!owner_) owner_ = client;
     if (owner_ != client)
         throw Error(ErrorCode::device, "board", "another client drives it; it is free when that one goes");
-    if (client == osc) last_osc_ = now;
+    if (client == osc) last_osc_ = std::chrono::steady_clock::now();
 }
 
 void Verbs::leave(Client client) {
@@ -105,10 +119,19 @@ void Verbs::leave(Client client) {
     // Nobody else can begin anything before the outputs are off.
     try {
         board_.stop();
-    } catch (const Error&) {  // whoever asks next is told by the status
+    } catch (const std::exception&) {  // whoever asks next is told by the status
     }
+    board_.clear();
     const std::lock_guard lock(mutex_);
     owner_.reset();
+}
+
+void Verbs::expire() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (owner_ != osc || std::chrono::steady_clock::now() - last_osc_ <= osc_owns) return;
+    }
+    leave(osc);
 }
 
 void Verbs::set_focus(Client client, const Focus& focus) {
@@ -147,11 +170,14 @@ void Verbs::act(const OscMessage& message) {
         need(0, 0);
         own(osc);
         board_.play_live({});
+    } else if (message.address == "/haptogram/alive") {
+        need(0, 0);
+        own(osc);
     } else if (message.address == "/haptogram/stop") {
         board_.shut_off();
     } else {
         throw bad_argument(message.address,
-                           "is no address here; expected /haptogram/focus, intensity, play, live or stop");
+                           "is no address here; expected /haptogram/focus, intensity, play, live, alive or stop");
     }
 }
 
@@ -170,7 +196,8 @@ Json Verbs::status() const {
             {"guard_trips", state.status.guard_trips},
             {"foci_sent", work.sent},
             {"lead_ms", 1e3 * work.lead_s},
-            {"trouble", state.trouble}};
+            {"trouble", state.trouble},
+            {"failed", work.trouble}};
 }
 
 Json Verbs::compile(const Json& request) {
@@ -187,7 +214,8 @@ Json Verbs::identify() const {
 Json Verbs::act(const Json& request, Client client) {
     struct Verb {
         std::string_view name;
-        bool drives;  ///< only the client whose turn it is may ask for it
+        bool drives;                          ///< only the client whose turn it is may ask for it
+        std::vector<std::string_view> takes;  ///< keys beside "do" and "id"
         std::function<Json()> act;
     };
     const auto quietly = [](auto act) {
@@ -197,31 +225,45 @@ Json Verbs::act(const Json& request, Client client) {
         };
     };
     const Verb verbs[] = {
-        {"compile", true, [&] { return compile(request); }},
-        {"image", true, quietly([&] {
+        {"compile", true, {"project"}, [&] { return compile(request); }},
+        {"image", true, {"hex"}, quietly([&] {
              board_.upload({from_intel_hex(text_of(request, "hex"), "image"), {}, {}, "image"});
          })},
-        {"play", true, quietly([&] { board_.play(how_of(request)); })},
-        {"live", true, quietly([&] { board_.play_live(how_of(request)); })},
-        {"focus", true, quietly([&] {
+        {"play", true, {"loops", "seconds", "am", "watchdog_ms"}, quietly([&] { board_.play(how_of(request)); })},
+        {"live", true, {"seconds", "am", "watchdog_ms", "stale_ms"}, quietly([&] {
+             board_.play_live(how_of(request));
+         })},
+        {"focus", true, {"at_m", "amplitude"}, quietly([&] {
              board_.set_focus({place_of(request), number_of(request, "amplitude", 1.0)});
          })},
-        {"intensity", true, quietly([&] { board_.set_intensity(number_of(request, "factor", 1.0)); })},
-        {"stop", true, quietly([&] { board_.stop(); })},
-        {"shut_off", false, quietly([&] { board_.shut_off(); })},
-        {"status", false, [&] { return status(); }},
-        {"identify", false, [&] { return identify(); }},
-        {"leave", false, quietly([&] { leave(client); })},
+        {"intensity", true, {"factor"}, quietly([&] { board_.set_intensity(number_of(request, "factor")); })},
+        {"stop", true, {}, quietly([&] { board_.stop(); })},
+        {"shut_off", false, {}, quietly([&] { board_.shut_off(); })},
+        {"status", false, {}, [&] { return status(); }},
+        {"identify", false, {}, [&] { return identify(); }},
+        {"leave", false, {}, quietly([&] { leave(client); })},
     };
     const std::string wanted = text_of(request, "do");
     std::vector<std::string_view> names;
     for (const Verb& verb : verbs) {
         names.push_back(verb.name);
         if (verb.name != wanted) continue;
+        for (const auto& [key, value] : request.items())
+            if (key != "do" && key != "id" && std::ranges::find(verb.takes, key) == verb.takes.end())
+                throw bad_argument(key,
+                                   fmt::format("has no meaning with {}, which takes {}", wanted,
+                                               verb.takes.empty() ? "no more than do and id"
+                                                                  : fmt::format("{}", fmt::join(verb.takes, ", "))));
         if (verb.drives) own(client);
         return verb.act();
     }
     throw bad_argument("do", fmt::format("found '{}', expected one of {}", wanted, fmt::join(names, ", ")));
+}
+
+bool Verbs::ends(const std::string& request) {
+    const Json parsed = Json::parse(request, nullptr, false);
+    return parsed.is_object() && parsed.contains("do") && parsed["do"].is_string() &&
+           std::ranges::find(ending_verbs, parsed["do"].get<std::string>()) != std::end(ending_verbs);
 }
 
 Json Verbs::answer(const std::string& request, Client client) {

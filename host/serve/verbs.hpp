@@ -27,12 +27,16 @@ public:
 
     /// Answers {"do": VERB, …}; asyncapi.json has them. What fails is an answer, too.
     [[nodiscard]] nlohmann::ordered_json answer(const std::string& request, Client client);
+    /// Whether a request ends what plays, so that it is never too much.
+    [[nodiscard]] static bool ends(const std::string& request);
     /// Four doubles: x, y, z in metres, and the amplitude. @throws Error
     void focus(std::span<const std::uint8_t> bytes, Client client);
     /// @throws Error
     void act(const OscMessage& message);
     /// When the one that drives goes, the outputs go off.
     void leave(Client client);
+    /// Who sends datagrams goes without a word: it has, when it has sent none for a second. To be called often.
+    void expire();
 
 private:
     using Json = nlohmann::ordered_json;

@@ -139,6 +139,17 @@ def test_what_is_wrong_is_said(service):
     client.fails("bad_argument", "amplitude", "focus", at_m=[0, 0, 0.1], amplitude="much")
     client.fails("bad_argument", "loops", "play", loops=-1)
     client.fails("bad_input", "Intel HEX", "image", hex="no image")
+    client.fails("bad_argument", "value", "intensity", value=0.2)
+    client.fails("bad_argument", "factor", "intensity")
+    client.fails("bad_argument", "second", "live", second=0.5)
+    client.fails("bad_argument", "found -1", "live", seconds=-1)
+    client.fails("bad_argument", "amplitud", "focus", at_m=[0, 0, 0.15], amplitud=0.1)
+    for file in ("csv:/etc/hostname", "wav:none"):
+        client.fails("bad_argument", "am: names the file", "live", am=file)
+        client.fails("bad_argument", "am: names the file", "play", am=file)
+        client.fails("bad_argument", "names the file", "compile", project=PROJECT.replace("points", f'am = "{file}"\npoints'))
+    client.fails("bad_argument", "names the file 'mine.toml'", "compile", project=PROJECT.replace("tile-10x10", "mine.toml"))
+    assert not client.ok("status")["busy"]
     client.fails("bad_argument", "built-in", "compile", project=PROJECT + '[[shape]]\nfile = "/etc/passwd"\n')
     client.fails("bad_argument", "shipped", "compile", project=PROJECT.replace("tile-10x10", "/etc/passwd"))
     for wrong in ("", "[]", "{", '{"do": 3}', "\u0000", "9" * 10000):
@@ -155,8 +166,11 @@ def test_the_page_of_messages_is_what_is_taken(service):
     taken = client.ask("?")["error"]["message"].split("expected one of ")[1].split(", ")
     assert taken == verbs
     for name in verbs:
-        needs = page["components"]["messages"][name]["payload"]["required"][1:]
-        assert ("error" if needs else "ok") in client.ask(name), name
+        payload = page["components"]["messages"][name]["payload"]
+        assert ("error" if payload["required"][1:] else "ok") in client.ask(name), name
+        refused = client.ask(name, id=3, amplitud=0.1)
+        keys = [key for key in payload["properties"] if key not in ("do", "id")]
+        assert refused["id"] == 3 and refused["error"]["message"].endswith(", ".join(keys) or "no more than do and id"), refused
         client.ask("leave")
 
 
@@ -196,9 +210,34 @@ def test_osc(service):
     client.fails("device", "another client", "live")
     service.osc("/haptogram/stop")
     client.until(enabled=False)
-    time.sleep(1.1)  # whose turn it was lapses
+    client.until(owned=False)  # whose turn it was lapses
     client.ok("live")
     assert client.until(enabled=True)["connected"] and before["connected"]
+
+
+def test_the_outputs_go_off_when_an_osc_sender_goes(service):
+    client = service.client()
+    client.ok("compile", project=PROJECT)
+    client.ok("leave")
+    service.osc("/haptogram/focus", 0.0, 0.0, 0.15)
+    service.osc("/haptogram/live")
+    client.until(enabled=True, busy=True)
+    for _ in range(20):  # twice as long as it may be silent
+        service.osc("/haptogram/alive")
+        time.sleep(0.1)
+    assert client.ok("status")["enabled"]
+    client.until(enabled=False, busy=False, owned=False)
+    client.ok("live")
+    client.until(enabled=True)
+
+
+def test_why_playing_has_ended_is_in_the_status(service):
+    client = service.client()
+    client.ok("live")  # there is no image of foci
+    assert "foci" in client.until(busy=False)["failed"]
+    client.ok("compile", project=PROJECT)
+    client.ok("live")
+    client.until(enabled=True, failed="")
 
 
 @pytest.mark.parametrize("headers, status", [({}, 401), ({"Authorization": "Bearer no"}, 401), ({"Origin": "http://evil.example"}, 403)])
@@ -240,8 +279,13 @@ def test_half_open_strangers_do_not_keep_a_stop_away(service):
     begin = time.monotonic()
     client.ok("shut_off")
     assert time.monotonic() - begin < 0.5
+    begin = time.monotonic()
+    assert service.client().ok("shut_off")  # and who comes after them is let in
+    assert time.monotonic() - begin < 2
     for s in strangers:
         s.close()
+    silent = socket.create_connection(("127.0.0.1", port), timeout=15)
+    assert silent.recv(1) == b"", "a stranger who says nothing is not waited for"
 
 
 def test_too_many_requests_are_refused_but_a_stop_is_not(service):
@@ -250,7 +294,12 @@ def test_too_many_requests_are_refused_but_a_stop_is_not(service):
         client.socket.send('{"do": "status"}')
     answers = [json.loads(client.socket.recv(timeout=10)) for _ in range(1000)]
     assert 200 <= sum("ok" in answer for answer in answers) < 1000
-    assert client.ok("shut_off")
+    for verb in ("shut_off", "stop", "leave"):
+        for _ in range(300):
+            client.socket.send('{"do": "status", "id": "shut_off"}')
+        answers = [json.loads(client.socket.recv(timeout=10)) for _ in range(300)]
+        assert any("error" in answer for answer in answers), "its name alone is no stop"
+        assert client.ok(verb)
 
 
 def test_random_datagrams_and_messages_do_no_harm(service):
