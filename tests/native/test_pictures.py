@@ -37,6 +37,8 @@ def test_every_value_says_what_it_is(ring):
     focus = native.analyze_focus(array, native.ideal_drives(array, foci[0]), foci[0])
     assert repr(focus).startswith(f"<FocusAnalysis: {focus.pressure_pa:.0f} Pa, {focus.force_n * 1e3:.2f} mN, ")
     analysis = native.analyze(ring)
+    with pytest.raises(TypeError):
+        native.analyze(None)
     assert repr(analysis).startswith("<ImageAnalysis: 12 foci, ") and f"{analysis.highest_db:.0f} dB SPL" in repr(analysis)
     assert repr(native.Pose((0, 0, 0.13), (0, 0, 90))) == "<Pose at [0.0, 0.0, 130.0] mm, axes [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]>"
 

@@ -311,7 +311,7 @@ void add_verbs(py::module_& module) {
             "Sound on the axis, averaged over the sequence, dB SPL: a model, no certification.")
         .def_property_readonly("pressure_left_least", [](const ImageAnalysis& a) { return a.pressure_left.least; })
         .def_readonly("warnings", &ImageAnalysis::warnings);
-    module.def("analyze", &analyze_py, py::arg("image"), py::arg("least_force_n") = least_felt_n,
+    module.def("analyze", &analyze_py, py::arg("image").none(false), py::arg("least_force_n") = least_felt_n,
                "Of an image's or a project's path, or of what was just compiled.");
 }
 
