@@ -423,7 +423,7 @@ void add_calibrate(CLI::App& app, Action& action) {
     sub->add_option("--card", take->card, "The sound card, as arecord --list-devices names it, such as hw:1")
         ->capture_default_str();
     sub->add_option("--rate", take->rate_hz, "Samples a second")->check(whole(96000, 1000000))->capture_default_str();
-    sub->add_option("-o,--output", take->output, "The recording, .wav; of parts -1, -2 … before the ending")
+    sub->add_option("-o,--output", take->output, "The recording, .wav; of parts -1, -2 and so on before the ending")
         ->required();
     sub->callback([take, &action] { action = [take] { return record(*take); }; });
 

@@ -96,7 +96,7 @@ def test_a_csv_is_played_row_by_row(tmp_path):
 
 def test_a_path_out_of_reach_or_with_a_shape_is_refused(tmp_path):
     (tmp_path / "far.csv").write_text("time_ms,x_mm,y_mm,z_mm\n0,0,0,130\n1,500,0,130\n")
-    refuse(tmp_path, ["compile", "--path", "far.csv"], BAD_INPUT, "1 of 2 points", r"\(500\.00")
+    refuse(tmp_path, ["compile", "--path", "far.csv"], BAD_INPUT, "1 of 2 points", r"\(500, 0, 130\) mm")
     refuse(tmp_path, ["compile", "--path", "far.csv", "--shape", "circle"], USAGE, "--path", "either")
     refuse(tmp_path, ["compile", "--path", "far.csv", "--center", "0,0,100"], USAGE, "--center", "a path has")
     refuse(tmp_path, ["compile", "--path", "none.json"], BAD_INPUT, "none.json")

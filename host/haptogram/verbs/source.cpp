@@ -214,7 +214,8 @@ Vec3 parse_three(const std::string& setting, const std::string& text, std::strin
         const auto [next, error] = std::from_chars(at, end, value);
         const bool last = axis == &point.z;
         if (error == std::errc() && std::abs(value) > most)
-            throw bad_argument(setting, fmt::format("found {} {}, expected at most {}", value, unit, most));
+            throw bad_argument(setting, fmt::format("found {} {}, expected at most {}{}", value, unit, most,
+                                                    unit == "mm" ? ", a kilometre" : ""));
         if (error != std::errc() || !std::isfinite(value) || (last ? next != end : next == end || *next != ','))
             throw bad_argument(setting, fmt::format("expected x,y,z in {}, found '{}'", unit, text));
         *axis = value;
