@@ -359,7 +359,8 @@ def test_hands_of_the_tracking_service_are_felt(tmp_path, board):
     if board == "tile-100":  # records, as fast as the line brings them: it is told how long a path takes, and each waits for a whole frame
         path_ms = float(re.search(r"which take ([0-9.]+) ms on the line", felt.stderr)[1])
         assert path_ms < 40
-        least = 0.9 * 165 / math.ceil(1.1 * path_ms * 0.110)
+        # What the line was measured to take grows by the time that a busy machine takes to answer: a path just shorter than a frame may miss the next.
+        least = 0.9 * 165 / math.ceil(1.3 * path_ms * 0.110)
     assert report["shots"] >= least and report["missed"] < report["shots"] / 2 and report["with_rings"] >= 0.9 * least and report["junk"] == 0
     assert board == "tile-100" or report["lost"] == 0
 
