@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "pace.hpp"
 #include "reference_board.hpp"
@@ -14,7 +15,9 @@ namespace {
 
 class ReferencePort final : public link::Transport {
 public:
-    explicit ReferencePort(const std::string& configuration) : board_(configuration) {}
+    ReferencePort(const std::string& configuration, std::function<void(const Edge&)> on_edge) : board_(configuration) {
+        if (on_edge) board_.on_edge(std::move(on_edge));
+    }
 
     void write(std::span<const std::uint8_t> bytes) override {
         catch_up();
@@ -52,7 +55,12 @@ std::function<std::unique_ptr<link::Transport>()> opener_of(const link::PortSett
     if (!settings.port.starts_with(simulated)) return [settings] { return link::open_port(settings); };
     const std::string configuration = settings.port.substr(simulated.size());
     static_cast<void>(ReferenceBoard(configuration));  // a wrong name is said here
-    return [configuration] { return std::make_unique<ReferencePort>(configuration); };
+    return [configuration] { return reference_port(configuration); };
+}
+
+std::unique_ptr<link::Transport> reference_port(const std::string& configuration,
+                                                std::function<void(const Edge&)> on_edge) {
+    return std::make_unique<ReferencePort>(configuration, std::move(on_edge));
 }
 
 }  // namespace haptogram::sim

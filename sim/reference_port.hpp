@@ -2,7 +2,9 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <string>
 
+#include "board.hpp"
 #include "haptogram/link/port.hpp"
 
 namespace haptogram::sim {
@@ -11,5 +13,9 @@ namespace haptogram::sim {
 /// it keeps real time, but stands still while nobody reads from its line, and then catches up.
 /// @throws Error{bad_argument} when there is no such configuration
 [[nodiscard]] std::function<std::unique_ptr<link::Transport>()> opener_of(const link::PortSettings& settings);
+
+/// That board behind its line, with what looks at its edges.
+[[nodiscard]] std::unique_ptr<link::Transport> reference_port(const std::string& configuration,
+                                                              std::function<void(const Edge&)> on_edge = {});
 
 }  // namespace haptogram::sim

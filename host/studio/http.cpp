@@ -36,8 +36,8 @@ using net::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using Socket = websocket::stream<beast::tcp_stream>;
 
-constexpr std::chrono::seconds most_pause{
-    30};  // of a client that has shown its token; of any other, in taking an answer
+// Of a client that has shown its token; of any other, in taking an answer.
+constexpr std::chrono::seconds most_pause{30};
 constexpr std::chrono::seconds stranger_pause{5};     // of any other, until its request is whole
 constexpr std::size_t most_queued = 8 * 1024 * 1024;  // bytes for a page that takes nothing
 constexpr std::chrono::seconds most_stalled{5};       // of a page that has so many waiting

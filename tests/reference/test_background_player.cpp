@@ -10,8 +10,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/background_player.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "pace.hpp"
-#include "reference_board.hpp"
+#include "reference_port.hpp"
 
 using namespace haptogram;
 using namespace std::chrono_literals;
@@ -19,37 +18,6 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto configuration = "tile-100-wide";
-
-/// A board in this process, in real time, whose pulses are counted.
-class CountedPort final : public link::Transport {
-public:
-    explicit CountedPort(std::atomic<std::uint64_t>& pulses) : board_(configuration) {
-        board_.on_edge([&pulses](const sim::Edge& edge) { pulses += edge.rises ? 1 : 0; });
-    }
-    void write(std::span<const std::uint8_t> bytes) override {
-        catch_up();
-        board_.send(bytes);
-    }
-    [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
-        const auto end = std::chrono::steady_clock::now() + patience;
-        for (catch_up(); board_.received() == 0 && std::chrono::steady_clock::now() < end; catch_up())
-            std::this_thread::sleep_for(std::min(patience, std::chrono::microseconds(100)));
-        return board_.receive();
-    }
-
-private:
-    void catch_up() {
-        const double behind_s = -pace_.ahead_s(simulated_s());
-        if (behind_s > 0.0) board_.run(static_cast<std::uint64_t>(behind_s * board_.parameters().clock_hz));
-        pace_.give_up(simulated_s());
-    }
-    [[nodiscard]] double simulated_s() const {
-        return static_cast<double>(board_.now()) / board_.parameters().clock_hz;
-    }
-
-    sim::ReferenceBoard board_;
-    sim::Pace pace_{0.01};
-};
 
 bool soon(const std::function<bool()>& condition) {
     for (const auto end = std::chrono::steady_clock::now() + 60s; std::chrono::steady_clock::now() < end;)
@@ -61,7 +29,12 @@ bool soon(const std::function<bool()>& condition) {
 
 TEST_CASE("what plays in the background falls silent when it must", "[reference]") {
     std::atomic<std::uint64_t> pulses = 0;
-    link::BackgroundPlayer player([&] { return std::make_unique<CountedPort>(pulses); }, 20s);
+    link::BackgroundPlayer player(
+        [&] {
+            return sim::reference_port(configuration,
+                                       [&pulses](const sim::Edge& edge) { pulses += edge.rises ? 1 : 0; });
+        },
+        20s);
     const Focus focus{{0.01, 0.0, 0.15}, 1.0};
     Path still;
     still.steps = {{.foci = {focus}, .periods = 1}};

@@ -199,13 +199,18 @@ def test_one_drives_and_everybody_may_stop_it(service):
     second.until(enabled=False, owned=False)
 
 
-def test_osc(service):
+def driven_by_osc(service):
+    """Somebody who watches, and the state once a focus plays that came by OSC."""
     client = service.client()
     client.ok("compile", project=PROJECT)
     client.ok("leave")
     service.osc("/haptogram/focus", 0.0, 0.0, 0.15)
     service.osc("/haptogram/live")
-    before = client.until(enabled=True, busy=True)
+    return client, client.until(enabled=True, busy=True)
+
+
+def test_osc(service):
+    client, before = driven_by_osc(service)
     service.osc("/haptogram/focus", 0.01, 0.0, 0.15, 0.5)
     client.fails("device", "another client", "live")
     service.osc("/haptogram/stop")
@@ -216,12 +221,7 @@ def test_osc(service):
 
 
 def test_the_outputs_go_off_when_an_osc_sender_goes(service):
-    client = service.client()
-    client.ok("compile", project=PROJECT)
-    client.ok("leave")
-    service.osc("/haptogram/focus", 0.0, 0.0, 0.15)
-    service.osc("/haptogram/live")
-    client.until(enabled=True, busy=True)
+    client, _ = driven_by_osc(service)
     for _ in range(20):  # twice as long as it may be silent
         service.osc("/haptogram/alive")
         time.sleep(0.1)

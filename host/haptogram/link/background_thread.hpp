@@ -20,8 +20,7 @@ public:
     ~BackgroundThread() { end(); }
 
     /// @throws Error{bad_argument} when something goes on already; Error{cancelled} when end() is called meanwhile;
-    /// what
-    ///         `prepare` does, in this thread
+    ///         what `prepare` does, in this thread
     /// @param prepare  gives the work
     void begin(const std::function<std::function<void()>()>& prepare);
     [[nodiscard]] bool busy() const;

@@ -18,13 +18,15 @@ using namespace std::chrono_literals;
 
 Error tile_error(const Tile& tile, const std::string& message) { return {ErrorCode::device, tile.name, message}; }
 
+constexpr const char* another_image = "it holds another image than its own; upload the rig to it";
+
 /// In words, which tile's image a tile holds that does not hold its own.
 std::string found_instead(std::span<const Tile> tiles, const Tile& tile) {
     for (const Tile& other : tiles)
         if (&other != &tile && other.image.channels == tile.image.channels &&
             with(tile, [&](Client& device) { return holds_records(device, other.image); }))
             return fmt::format("it holds the image of {}: the two ports are swapped, or the images are", other.name);
-    return "it holds another image than its own; upload the rig to it";
+    return another_image;
 }
 
 Role role_of(std::size_t tile) { return tile == 0 ? Role::master : Role::slave; }
@@ -73,6 +75,8 @@ void require_images(std::span<const Tile> tiles) {
         with(tile, [&](Client& device) {
             if (tile.image.foci) write_settings(device, tile.image);
         });
+        if (!with(tile, [&](Client& device) { return holds(device, tile.image); }))
+            throw tile_error(tile, another_image);
     }
 }
 
@@ -97,9 +101,7 @@ void keep_together(std::span<const Tile> tiles) {
 
 RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const RigWatch& watch) {
     if (const Image& image = tiles.front().image; settings.index != 0 && !place_of(image, settings.index))
-        throw bad_argument(
-            "index", fmt::format("{}: expected one of the {} records of the images, from {} to {}", settings.index,
-                                 image.record_count(), index_of(image, 0), highest_index(image)));
+        throw bad_argument("index", fmt::format("{}: expected {}", settings.index, records_in_words(image)));
     prepare(tiles);
     PlayingTiles playing(tiles, settings);
     const auto arm = [&](const Tile& tile, When when) {

@@ -52,10 +52,8 @@ private:
         if (ahead_) return true;
         ahead_ = source_.next(patience);
         if (ahead_ && ahead_->index != 0 && !place_of(image_, ahead_->index))
-            throw bad_input("stream", fmt::format("found index {}, expected 0 for silence or one of the {} records of "
-                                                  "the images, from {} to {}",
-                                                  ahead_->index, image_.record_count(), index_of(image_, 0),
-                                                  highest_index(image_)));
+            throw bad_input("stream", fmt::format("found index {}, expected 0 for silence or {}", ahead_->index,
+                                                  records_in_words(image_)));
         return ahead_.has_value();
     }
 
@@ -183,6 +181,11 @@ std::vector<Entries> first_frames(Entries first, Frames& frames, std::size_t mos
 
 std::uint32_t highest_index(const Image& image) {
     return image.record_count() == 0 ? 0 : index_of(image, image.record_count() - 1);
+}
+
+std::string records_in_words(const Image& image) {
+    return fmt::format("one of the {} records of the images, from {} to {}", image.record_count(), index_of(image, 0),
+                       highest_index(image));
 }
 
 RigPlayed stream(std::span<const Tile> tiles, const RigSettings& settings, StreamSource& source,

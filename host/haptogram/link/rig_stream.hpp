@@ -31,4 +31,7 @@ RigPlayed stream(std::span<const Tile> tiles, const RigSettings& settings, std::
 /// The highest index that an image has a record for.
 [[nodiscard]] std::uint32_t highest_index(const Image& image);
 
+/// Which records the images of a rig have, for a message.
+[[nodiscard]] std::string records_in_words(const Image& image);
+
 }  // namespace haptogram::link

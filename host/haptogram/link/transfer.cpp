@@ -20,7 +20,7 @@ using interface::Command;
 /// What a frame carries: a record, or as many bytes of anything else.
 std::size_t frame_bytes(const Image& image) { return std::size_t{2} * record_words(image.channels); }
 
-/// An image in frames: a record in each, then foci, the sequence, parameters and samples in pieces of the same length.
+/// An image's records in frames, one in each, then foci and the sequence in pieces of the same length.
 std::vector<Piece> records_of(const Image& image) {
     std::vector<Piece> pieces;
     cut(pieces, interface::primary_base, primary_words(image), frame_bytes(image));
@@ -28,6 +28,7 @@ std::vector<Piece> records_of(const Image& image) {
     return pieces;
 }
 
+/// The same, and then parameters and samples.
 std::vector<Piece> pieces_of(const Image& image) {
     std::vector<Piece> pieces = records_of(image);
     cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));
