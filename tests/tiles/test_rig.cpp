@@ -35,7 +35,8 @@ TEST_CASE("rig: a shape on four tiles, from the compiler to the pins, is where o
 TEST_CASE("rig: no output is enabled before every tile is as it must be") {
     std::mt19937 g(Catch::rngSeed());
     // Images of foci are alike but for their geometry, which boards do not give back.
-    Pair pair(g, GENERATE(ImageKind::records, ImageKind::foci));
+    const auto kind = GENERATE(ImageKind::records, ImageKind::foci);
+    Pair pair(g, kind);
     std::set<std::size_t> enabled;
     for (std::size_t i = 0; i < 2; ++i)
         pair.tiles.board(i).on_cycle_start([&enabled, i](const sim::CycleStart& start) {
@@ -50,6 +51,13 @@ TEST_CASE("rig: no output is enabled before every tile is as it must be") {
     // The second holds neither.
     CHECK_THAT(play({pair.rig[0], {*pair.hosts[1], pair.compiled.bundle.tiles[2].image, "tile 2"}}),
                Contains("tile 2") && Contains("another image"));
+    // Its records are those of the second, its modulation is not; of foci all that is no record is written before they
+    // play.
+    Image modulated = pair.compiled.bundle.tiles[1].image;
+    modulated.modulation = SampledModulation{1, {255, 128}};
+    if (kind == ImageKind::records)
+        CHECK_THAT(play({pair.rig[0], {*pair.hosts[1], modulated, "tile 2"}}),
+                   Contains("tile 2") && Contains("another image"));
     // The wire SYNC is not connected.
     pair.tiles.connect(1, false);
     CHECK_THAT(play(pair.rig), Contains("tile 2") && Contains("does not come into step with tile 1"));
