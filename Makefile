@@ -153,12 +153,13 @@ dist: ## wheel, .deb, source archive and bitstreams into build/dist; PARTS="whee
 HEART := compile tools/demo/heart.ply --points 200 --rate 10 -o heart.hex
 SEEN := field heart.hex --plane xy@z=130 -o heart.png && head -c 4 heart.png | grep -q PNG
 fresh: ## the README's ways to begin, each on a bare Debian in a folder, with seconds and megabytes; ALL=1 every test there, too: needs root and debootstrap
-	@tools/dist wheel deb
-	@tools/fresh-machine --with "$$(ls build/dist/*.whl)" "" 'apt-get update -qq && apt-get install -qq -y --no-install-recommends python3-venv >/dev/null \
-	  && python3 -m venv haptic && time timeout 10 haptic/bin/pip install -q build/dist/*.whl && haptic/bin/haptogram $(HEART) && haptic/bin/haptogram $(SEEN)'
-	@tools/fresh-machine --with "$$(ls build/dist/*.deb)" "" 'apt-get update -qq && apt-get install -qq -y ./build/dist/haptogram_*.deb >/dev/null && haptogram $(HEART) && haptogram $(SEEN)'
-	@tools/fresh-machine --limit 240:250 "" "tools/setup demo && make demo && head -c 4 build/demo/heart/heart.png | grep -q PNG"
-	@[ -z "$(ALL)" ] || tools/fresh-machine
+	@tools/dist wheel deb; failed=$$?; \
+	tools/fresh-machine --with "$$(ls build/dist/*.whl)" "" 'apt-get update -qq && apt-get install -qq -y --no-install-recommends python3-venv >/dev/null \
+	  && /usr/bin/python3 -m venv haptic && time timeout 10 haptic/bin/pip install -q build/dist/*.whl && haptic/bin/haptogram $(HEART) && haptic/bin/haptogram $(SEEN)' || failed=1; \
+	tools/fresh-machine --with "$$(ls build/dist/*.deb)" "" 'apt-get update -qq && apt-get install -qq -y ./build/dist/haptogram_*.deb >/dev/null && haptogram $(HEART) && haptogram $(SEEN)' || failed=1; \
+	tools/fresh-machine --limit 240:250 "" "tools/setup demo && make demo && head -c 4 build/demo/heart/heart.png | grep -q PNG" || failed=1; \
+	[ -z "$(ALL)" ] || tools/fresh-machine || failed=1; \
+	exit $$failed
 
 clean: ## remove everything that was built, but for the Python environment
 	@find build -mindepth 1 -maxdepth 1 ! -name venv -exec rm -rf {} + 2>/dev/null || true

@@ -30,7 +30,7 @@ def of_the_page():
 
 def bundled_in(wheel):
     """The Debian packages of the libraries that auditwheel took along, under names with a hash."""
-    names = {Path(name).name for name in zipfile.ZipFile(wheel).namelist() if name.partition("/")[0].endswith(".libs")}
+    names = {Path(name).name for name in zipfile.ZipFile(wheel).namelist() if name.partition("/")[0].endswith(".libs") and not name.endswith("/")}
     for name in sorted(re.sub(r"-[0-9a-f]{8}(?=\.)", "", name, count=1) for name in names):
         owners = subprocess.run(["dpkg-query", "-S", f"*/{name}"], capture_output=True, text=True).stdout
         if not owners:

@@ -15,6 +15,7 @@ SBOM = pathlib.Path(__file__).resolve().parents[2] / "tools/sbom.py"
 def noticed(tmp_path, *libraries):
     wheel = tmp_path / "haptogram-0.1.0-cp311-cp311-manylinux_2_35_x86_64.whl"
     with zipfile.ZipFile(wheel, "w") as packed:
+        packed.writestr("haptogram.libs/", "")  # as auditwheel packs it
         for library in libraries:
             packed.writestr(f"haptogram.libs/{library}", "x")
         packed.writestr("haptogram-0.1.0.dist-info/RECORD", "haptogram-0.1.0.dist-info/RECORD,,\n")
