@@ -145,7 +145,7 @@ while True:
   }
   const worst = Math.max(...under);
   t.diagnostic(`STOP alone ${alone.toFixed(1)} ms; with 1,500 half-open connections ${quantile(under, 0.5).toFixed(1)} ms, at worst ${worst.toFixed(1)} ms`);
-  assert.ok(worst < 500, `${worst} ms: 100 are the goal, on an idle machine; this one may be busy`);
+  assert.ok(worst <= 100, `${worst} ms`);
   assert.equal((await ask(studio, "/api/hello", { headers: { Authorization: `Bearer ${studio.token}` } })).status, 200, "other requests are served, too");
 });
 
@@ -179,6 +179,7 @@ time.sleep(600)
     assert.equal((await ask(studio, "/")).status, 200);
   }
   t.diagnostic(`STOP with 60 that take nothing: ${quantile(took, 0.5).toFixed(1)} ms, at worst ${Math.max(...took).toFixed(1)} ms`);
+  assert.ok(Math.max(...took) <= 100, `${Math.max(...took)} ms`);
 });
 
 test("whoever has shown no token is let go soon, and a second Host is refused", async (t) => {
