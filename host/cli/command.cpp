@@ -12,6 +12,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/solve/segments.hpp"
+#include "haptogram/verbs/settings.hpp"
 
 namespace haptogram::cli {
 
@@ -67,23 +68,15 @@ void require_effect(const std::vector<std::string>& given, const std::vector<Opt
 }
 
 void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std::string>& law) {
-    auto* wave = command.add_option("--am", am,
-                                    "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, "
-                                    "sawtooth:HZ, several with + between them, wav:FILE or csv:FILE");
-    command
-        .add_option("--am-law", law,
-                    "What the waveform's values are: fractions of the pressure, or of the radiation pressure, which is "
-                    "its square")
+    auto* wave = command.add_option("--am", am, std::string(setting_called("--am").help));
+    command.add_option("--am-law", law, std::string(setting_called("--am-law").help))
         ->check(CLI::IsMember({"pressure", "radiation"}))
         ->default_str("pressure")
         ->needs(wave);
 }
 
 CLI::Option* add_quantise(CLI::App& command, std::optional<std::string>& quantise) {
-    return command
-        .add_option("--quantise", quantise,
-                    fmt::format("Phases and pulse lengths as a device has them: {} ({})", hoshi_segments.name,
-                                hoshi_segments.about))
+    return command.add_option("--quantise", quantise, std::string(setting_called("--quantise").help))
         ->check(CLI::IsMember({hoshi_segments.name}));
 }
 
@@ -110,6 +103,15 @@ CLI::Validator not_negative() {
                 if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0)
                     return std::string();
                 return fmt::format("must be a number, and not negative, found '{}'", text);
+            },
+            "NUMBER"};
+}
+
+CLI::Validator number(double low, double high) {
+    return {[low, high](std::string& text) {
+                double value = 0.0;
+                if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
+                return fmt::format("must be a number from {} to {}, found '{}'", low, high, text);
             },
             "NUMBER"};
 }

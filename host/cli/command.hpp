@@ -92,6 +92,7 @@ void add_number(CLI::App& command, const std::string& name, double& value, const
 /// Checks of option values that say what was found.
 [[nodiscard]] CLI::Validator positive();
 [[nodiscard]] CLI::Validator not_negative();
+[[nodiscard]] CLI::Validator number(double low, double high);
 [[nodiscard]] CLI::Validator whole(std::uint64_t low, std::uint64_t high);
 
 }  // namespace haptogram::cli

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "command.hpp"
@@ -27,18 +27,13 @@ struct CompileOptions {
     std::vector<std::string> inputs;  ///< shape files, or one project file
     std::vector<std::string> shapes;
     PrimitiveSpec primitive;  ///< the measures of every --shape, in mm; its kind is not used
-    std::optional<std::string> board, array, rig, unit, up;
-    std::optional<std::size_t> points;
-    std::optional<std::uint64_t> seed;
-    std::optional<double> rate_hz, speed_m_s, frequency_hz, size_mm, scale;
-    std::optional<std::string> jump;
-    std::optional<std::uint16_t> loops;
+    std::vector<std::pair<const Setting*, SettingValue>> settings;
+    std::optional<std::string> rig, unit, up;
+    std::optional<double> size_mm, scale;
     std::vector<double> center_mm, rotate_deg;
-    bool clip = false, even = false, foci = false, records = false;
-    std::optional<std::string> am, am_law, quantise;
-    std::optional<double> magnitude, amplitude;
+    bool foci = false, records = false;
     std::string output = "image.hex";
-    std::string path, save_path;
+    std::string save_path;
     std::string manifest, readmemh;
     bool json = false;
     std::vector<std::string> given;  ///< names of those on the command line
@@ -78,40 +73,26 @@ Project project_of(const CompileOptions& options) {
             if (*length) **length *= millimetre;
         project.shapes.push_back(source);
     }
-    if (!options.path.empty()) project.path = in_file ? std::filesystem::absolute(options.path).string() : options.path;
     for (const auto& [option, given] : {std::pair("--unit", &options.unit), std::pair("--up", &options.up)})
         if (*given && (in_file || options.inputs.empty()))
             throw bad_argument(option,
                                "is of shape files on the command line, and there is none; a project file says it "
                                "for each of its shapes");
-    const auto put = [](auto& target, const auto& given) {
-        if (given) target = *given;
-    };
-    const auto put_name = [in_file](auto& target, const std::optional<std::string>& given) {
-        if (given) target = in_file ? from_here(*given) : *given;
-    };
-    put_name(project.board, options.board);
-    put_name(project.array, options.array);
-    put(project.points, options.points);
-    put(project.seed, options.seed);
-    put(project.rate_hz, options.rate_hz);
-    if (options.rate_hz || options.speed_m_s || options.frequency_hz)
-        project.pace = {options.speed_m_s, options.frequency_hz};
-    if (options.jump) project.jump = *options.jump == "hop" ? Jump::hop : Jump::blank;
-    put(project.loops, options.loops);
-    put(project.placement.scale, options.scale);
+    for (const auto& [setting, value] : options.settings) {
+        const bool is_file = std::holds_alternative<File>(setting->kind);
+        if (in_file && (is_file || std::holds_alternative<FileOrName>(setting->kind))) {
+            const std::string& name = std::get<std::string>(value);
+            setting->put(project, *setting, is_file ? std::filesystem::absolute(name).string() : from_here(name));
+        } else {
+            setting->put(project, *setting, value);
+        }
+    }
+    if (options.scale) project.placement.scale = *options.scale;
     if (options.size_mm) project.placement.size_m = *options.size_mm * millimetre;
     const std::vector<double>& c = options.center_mm;
     if (!c.empty()) project.placement.center = from_mm(c[0], c[1], c[2]);
     if (!options.rotate_deg.empty()) std::copy_n(options.rotate_deg.begin(), 3, project.placement.rotate_deg.begin());
-    project.clip = project.clip || options.clip;
-    project.even = project.even || options.even;
-    put_name(project.am, options.am);
-    if (options.magnitude) project.magnitude = options.magnitude;
-    put(project.amplitude, options.amplitude);
-    put(project.quantise, options.quantise);
     if (options.foci || options.records) project.image = options.foci ? ImageKind::foci : ImageKind::records;
-    if (options.am_law) project.am_law = law_of(*options.am_law);
     require_effect(options.given, project);
     return project;
 }
@@ -139,12 +120,15 @@ void check_paths(CompileOptions& options) {
     if (options.rig) check_rig_paths(options);
     std::vector<NamedPath> inputs;
     for (const std::string& input : options.inputs) inputs.push_back({"an input", input});
-    if (options.array && options.array->ends_with(".toml")) inputs.push_back({"--array", *options.array});
-    if (options.board && options.board->ends_with(".toml")) inputs.push_back({"--board", *options.board});
+    for (const auto& [setting, value] : options.settings) {
+        const auto* name = std::get_if<std::string>(&value);
+        const bool is_file = std::holds_alternative<File>(setting->kind);
+        if (name != nullptr && (is_file || name->ends_with(".toml")))
+            inputs.push_back({std::string(setting->option), *name});
+    }
     if (options.rig && options.rig->ends_with(".toml")) inputs.push_back({"--rig", *options.rig});
     std::vector<NamedPath> outputs = {{"--output", options.output}};
     if (!options.rig) outputs.push_back({"--manifest", options.manifest, beside});
-    if (!options.path.empty()) inputs.push_back({"--path", options.path});
     if (!options.save_path.empty()) outputs.push_back({"--save-path", options.save_path});
     if (!options.readmemh.empty()) {
         outputs.push_back({"--readmemh", options.readmemh + ".primary.mem"});
@@ -259,11 +243,43 @@ int compile(CompileOptions options) {
     return 0;
 }
 
+/// The options of project_settings(), as its table has them.
+void add_settings(CLI::App& command, std::vector<std::pair<const Setting*, SettingValue>>& given) {
+    const auto keep = [&given](const Setting& setting) {
+        return [&given, &setting](const auto& value) { given.emplace_back(&setting, value); };
+    };
+    for (const Setting& one : project_settings()) {
+        if (one.get == nullptr || one.option.empty()) continue;
+        const std::string name(one.option), help(one.help);
+        CLI::Option* option = nullptr;
+        if (std::holds_alternative<Flag>(one.kind)) {
+            command.add_flag_function(
+                name, [take = keep(one)](std::int64_t) { take(true); }, help);
+            continue;
+        }
+        if (const auto* numbers = std::get_if<Numbers>(&one.kind)) {
+            option = command.add_option_function<double>(name, keep(one), help);
+            option->check(number(numbers->least, numbers->most));
+        } else if (const auto* whole_numbers = std::get_if<WholeNumbers>(&one.kind)) {
+            option = command.add_option_function<std::uint64_t>(name, keep(one), help);
+            option->check(whole(whole_numbers->least, whole_numbers->most));
+        } else {
+            option = command.add_option_function<std::string>(name, keep(one), help);
+            if (const auto* names = std::get_if<Choices>(&one.kind))
+                option->check(CLI::IsMember(std::vector<std::string>(names->begin(), names->end())));
+        }
+        if (const auto standard = default_of(one))
+            option->default_str(std::visit([](const auto& value) { return fmt::format("{}", value); }, *standard));
+        for (const Setting& other : project_settings())
+            if (!one.one_of.empty() && one.one_of == other.one_of && &other < &one)
+                option->excludes(command.get_option(std::string(other.option)));
+    }
+}
+
 }  // namespace
 
 void add_compile(CLI::App& app, Action& action) {
     auto options = std::make_shared<CompileOptions>();
-    const Project standard;
     CLI::App* sub =
         app.add_subcommand("compile", "Turn shapes into an Intel HEX image of focal timings, and its manifest");
     sub->add_option("inputs", options->inputs,
@@ -280,72 +296,25 @@ void add_compile(CLI::App& app, Action& action) {
         ->check(positive());
     sub->add_option("--sides", options->primitive.sides, "Sides of a built-in polygon")->check(whole(3, 1000));
     sub->add_option("--turns", options->primitive.turns, "Turns of a built-in helix")->check(positive());
-    sub->add_option("--path", options->path,
-                    "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm and "
-                    "intensity, or an .adaptics pattern, looked at --points times");
     sub->add_option("--save-path", options->save_path, "Also write the path that the image plays, as JSON");
-    sub->add_option(
-        "--board", options->board,
-        "Board file (TOML), shipped board (see haptogram board list) or configuration of the core such as tile-100 "
-        "(default: the array file's [board])");
-    auto* array =
-        sub->add_option("--array", options->array,
-                        fmt::format("Array file (TOML) or shipped array: {} (default: the board's, or tile-10x10)",
-                                    fmt::join(shipped_arrays(), ", ")));
+    add_settings(*sub, options->settings);
+    sub->get_option("--am-law")->needs("--am");
     sub->add_option("--rig", options->rig,
                     fmt::format("Rig file (TOML) or shipped rig instead: {}. Writes an image for each of its boards, "
                                 "beside a rig manifest",
                                 fmt::join(shipped_rigs(), ", ")))
-        ->excludes(array);
+        ->excludes("--array");
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->default_str(ShapeSource{}.unit);
     sub->add_option("--up", options->up, "Axis of the files that points upwards; z when it is not given")
         ->check(CLI::IsMember({"y", "z"}));
-    sub->add_option("--points", options->points, "Focal points to take from a surface, a curve or a larger cloud")
-        ->check(whole(1, 65535))
-        ->default_str(fmt::to_string(standard.points));
-    sub->add_option("--seed", options->seed, "Seed of the sampling")
-        ->check(whole(0, std::numeric_limits<std::uint64_t>::max()))
-        ->default_str(fmt::to_string(standard.seed));
-    auto* rate = sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
-                     ->check(positive())
-                     ->default_str(fmt::to_string(standard.rate_hz));
-    auto* speed = sub->add_option("--speed", options->speed_m_s,
-                                  fmt::format("Draw the shape's curves, or its tour, at this many m/s ({} is usual)",
-                                              usual_speed_m_s))
-                      ->check(positive())
-                      ->excludes(rate);
-    sub->add_option("--frequency", options->frequency_hz, "Draw the shape's curves this many times a second, Hz")
-        ->check(positive())
-        ->excludes(rate)
-        ->excludes(speed);
-    sub->add_option("--jump", options->jump,
-                    "Between curves that are drawn: hop, which takes no time, or blank, silence for as long as the way "
-                    "takes")
-        ->check(CLI::IsMember({"hop", "blank"}))
-        ->default_str("hop");
-    sub->add_flag("--even", options->even,
-                  "Choose dwells that make all points feel alike, with what the foci add to each other, instead of "
-                  "equal ones");
-    add_am(*sub, options->am, options->am_law);
-    sub->add_option("--amplitude", options->amplitude,
-                    "Amplitude of all foci, as a fraction of the pressure that the array can make there (default: 1)")
-        ->check(positive());
-    sub->add_option("--magnitude", options->magnitude,
-                    "How strong each focus feels to a palm under --am, from the array's force and the Multimodal "
-                    "paper's tables (see haptogram magnitude)")
-        ->check(positive());
-    add_quantise(*sub, options->quantise);
     auto* foci = sub->add_flag("--foci", options->foci,
                                "Foci of 8 bytes each, from which the board computes the timings, and the modulation in "
                                "the board's own memory (default, if the board computes foci)");
     sub->add_flag("--records", options->records,
                   "A record of timings for each focal point and each of its strengths (default otherwise)")
         ->excludes(foci);
-    sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
-        ->check(whole(0, 65535))
-        ->default_str(fmt::to_string(standard.loops));
     sub->add_option("--center", options->center_mm,
                     "Move the bounding box's centre to x,y,z mm (built-in shapes: 0,0,130)")
         ->delimiter(',')
@@ -356,8 +325,7 @@ void add_compile(CLI::App& app, Action& action) {
         ->expected(3);
     sub->add_option("--scale", options->scale, "Multiply every coordinate")
         ->check(positive())
-        ->default_str(fmt::to_string(standard.placement.scale));
-    sub->add_flag("--clip", options->clip, "Leave out points that the array cannot reach");
+        ->default_str(fmt::to_string(Placement{}.scale));
     sub->add_option("-o,--output", options->output, "Image; - is standard output")->capture_default_str();
     sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
     sub->add_option("--readmemh", options->readmemh,

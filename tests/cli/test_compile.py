@@ -297,8 +297,8 @@ def test_an_amplitude_makes_pulses_shorter_and_nothing_else(tmp_path):
     succeed(["compile", "half.toml", "-o", "project.hex"], cwd=tmp_path)
     assert (tmp_path / "project.hex").read_bytes() == (tmp_path / "image.hex").read_bytes()
     assert (tmp_path / "project.json").read_bytes() == (tmp_path / "image.json").read_bytes()
-    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0"], USAGE, "--amplitude", "positive")
-    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "1.5"], USAGE, "--amplitude", "at most 1")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0"], USAGE, "--amplitude", "from 1e-06 to 1")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "1.5"], USAGE, "--amplitude", "to 1, found")
     refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.001"], USAGE, "silent")
     refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "leave one of them out")
 

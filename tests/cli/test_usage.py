@@ -145,12 +145,12 @@ def test_a_rate_too_high(tmp_path):
 
 
 def test_a_rate_that_no_number_of_points_can_reach(tmp_path):
-    arguments = [*CIRCLE, "--rate", "1e9"]
+    arguments = [*CIRCLE, "--rate", "9e5"]
     refuse(tmp_path, arguments, BAD_INPUT, "--rate")
     assert b"or 0 points" not in run(arguments, cwd=tmp_path).stderr, "it advises to take no points"
 
 
-@pytest.mark.parametrize("rate", ["0.001", "1e-300"])
+@pytest.mark.parametrize("rate", ["0.001", "1e-6"])
 def test_a_rate_too_low(rate, tmp_path):
     refuse(tmp_path, [*CIRCLE, "--points", "1", "--rate", rate], BAD_INPUT, "--rate", "65535", r"at least 0\.61036")
 

@@ -317,7 +317,7 @@ TEST_CASE("position table: 324 positions in nine units of 36 channels", "[hoshi]
     PositionTable silent = table;
     silent.pulses[5] = {};
     REQUIRE_THROWS_WITH(packed(silent, units[0], hoshi_segments), Contains("silent"));
-    REQUIRE_THROWS_WITH(packed(table, units[0], Segments{"x", 8, ""}), Contains("8 segments"));
+    REQUIRE_THROWS_WITH(packed(table, units[0], Segments{"x", 8}), Contains("8 segments"));
 }
 
 TEST_CASE("hoshi: what sixteen phases take from foci, and what simulate allows", "[hoshi]") {

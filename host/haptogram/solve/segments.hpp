@@ -15,12 +15,11 @@ namespace haptogram {
 struct Segments {
     const char* name;     ///< on command lines and in files
     std::uint32_t count;  ///< of a carrier period, even
-    const char* about;    ///< for help
 };
 
 /// Hoshi et al. 2010 (section 3.1) divide a carrier period into 16 segments of 1.5625 µs. The place of the pulse gives
 /// 16 phases, and its length of 0 to 8 segments gives the amplitude.
-inline constexpr Segments hoshi_segments{"hoshi", 16, "16 phases, pulses of 0 to 8 of 16 segments (Hoshi et al. 2010)"};
+inline constexpr Segments hoshi_segments{"hoshi", 16};
 
 /// The grid of a name: "hoshi".
 /// @param setting  names it in messages

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 
 #include "haptogram/array/millimetres.hpp"
 #include "haptogram/base/bundle.hpp"
@@ -13,7 +12,6 @@
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
 #include "haptogram/shape/primitives.hpp"
-#include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/settings.hpp"
 
 namespace haptogram {
@@ -125,21 +123,70 @@ HandSource read_hand(const Section& section) {
     return hand;
 }
 
-void read_pace(Project& project, const Section& whole) {
-    const std::string* first = nullptr;
-    static const std::string keys[] = {"rate_hz", "speed_m_s", "frequency_hz"};
-    for (const std::string& key : keys) {
-        if (whole.find(key) == nullptr) continue;
-        if (first != nullptr)
-            throw bad_input(whole.at(key), fmt::format("{} and {} both say how fast; keep one", *first, key));
-        first = &key;
+std::string in_words(Choices names) {
+    std::string text;
+    for (std::size_t one = 0; one < names.size(); ++one)
+        text += fmt::format("{}\"{}\"", one == 0 ? "" : one + 1 == names.size() ? " or " : ", ", names[one]);
+    return text;
+}
+
+struct ReadSetting {
+    const Section& section;
+    std::string_view key;
+
+    template <class T>
+    static std::optional<SettingValue> of(const std::optional<T>& value) {
+        return value ? std::optional<SettingValue>(*value) : std::nullopt;
     }
-    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
-    project.pace.speed_m_s = whole.number("speed_m_s", 1e-6, 1e6);
-    project.pace.frequency_hz = whole.number("frequency_hz", 1e-6, 1e6);
-    if (const auto jump = whole.text("jump", "\"hop\" or \"blank\"",
-                                     [](const std::string& text) { return text == "hop" || text == "blank"; }))
-        project.jump = *jump == "hop" ? Jump::hop : Jump::blank;
+    std::optional<SettingValue> operator()(Flag) const { return of(section.flag(key)); }
+    std::optional<SettingValue> operator()(File) const { return of(section.text(key)); }
+    std::optional<SettingValue> operator()(FileOrName) const { return of(section.text(key)); }
+    std::optional<SettingValue> operator()(const Numbers& n) const { return of(section.number(key, n.least, n.most)); }
+    std::optional<SettingValue> operator()(const WholeNumbers& n) const {
+        return of(section.whole64(key, n.least, n.most));
+    }
+    std::optional<SettingValue> operator()(Choices names) const {
+        const std::optional<std::string> name = section.text(key, in_words(names));
+        if (name && std::ranges::find(names, *name) == names.end())
+            throw section.wrong(*section.find(key), key, in_words(names));
+        return of(name);
+    }
+    std::optional<SettingValue> operator()(OwnTable) const { return {}; }
+};
+
+void read_settings(Project& project, const Section& whole) {
+    std::vector<const Setting*> said;
+    for (const Setting& one : project_settings()) {
+        const std::optional<SettingValue> value = std::visit(ReadSetting{whole, one.key}, one.kind);
+        if (!value) continue;
+        for (const Setting* other : said)
+            if (!one.one_of.empty() && other->one_of == one.one_of)
+                throw bad_input(whole.at(one.key),
+                                fmt::format("{} and {} both say {}; keep one", other->key, one.key, one.one_of));
+        one.put(project, one, *value);
+        said.push_back(&one);
+    }
+}
+
+std::string value_text(bool value) { return value ? "true" : "false"; }
+std::string value_text(double value) { return number_text(value); }
+std::string value_text(std::uint64_t value) { return fmt::to_string(value); }
+std::string value_text(const std::string& value) { return quoted_text(value); }
+
+/// The settings that have an effect and are not as they are without being said.
+std::string settings_text(const Project& project) {
+    std::string text;
+    for (const Setting& one : project_settings()) {
+        const std::optional<SettingValue> value = one.get == nullptr ? std::nullopt : one.get(project, one);
+        if (!value || value == default_of(one) || !why_idle(one.key, project).empty()) continue;
+        const auto* whole = std::get_if<WholeNumbers>(&one.kind);
+        if (whole != nullptr && std::get<std::uint64_t>(*value) > whole->most)
+            throw bad_argument(std::string(one.key),
+                               fmt::format("{} is more than a project file can hold; take at most {}",
+                                           std::get<std::uint64_t>(*value), whole->most));
+        text += fmt::format("{} = {}\n", one.key, std::visit([](const auto& v) { return value_text(v); }, *value));
+    }
+    return text;
 }
 
 std::string in_mm(double metres) { return number_text(exact_mm(metres)); }
@@ -234,20 +281,15 @@ void check_subject(const Project& project, const Section& whole, const std::stri
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format", "array", "board", "points", "seed",      "clip",      "rate_hz",  "speed_m_s", "frequency_hz",
-                "jump",   "even",  "am",    "am_law", "magnitude", "amplitude", "quantise", "image",     "loops",
-                "place",  "shape", "path",  "hand",   "keyframe",  "live",      "trigger"});
+    std::vector<std::string_view> known = {"format"};
+    for (const Setting& one : project_settings())
+        if (!one.key.empty()) known.push_back(one.key);
+    whole.only(known);
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
     Project project;
-    project.array = whole.text("array");
-    project.board = whole.text("board");
-    assign(project.points, whole.whole("points", 1, 65535));
-    assign(project.seed, whole.whole64("seed", 0, std::numeric_limits<std::int64_t>::max()));
-    assign(project.clip, whole.flag("clip"));
-    read_pace(project, whole);
-    if (const auto loops = whole.whole("loops", 0, 65535)) project.loops = static_cast<std::uint16_t>(*loops);
+    read_settings(project, whole);
     const Section place(where, root, "place");
     place.only({"scale", "size_mm", "rotate_deg", "center_mm"});
     read_placement(project.placement, place);
@@ -265,20 +307,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
         for (const toml::node& frame : *list)
             project.key_frames.push_back(read_key_frame(where, *frame.as_table(), project.shapes.size()));
     }
-    assign(project.path, whole.text("path"));
     if (const Section hand(where, root, "hand"); hand.exists()) project.hand = read_hand(hand);
-    assign(project.even, whole.flag("even"));
-    assign(project.am, whole.text("am"));
-    if (const auto law = whole.text("am_law", "\"pressure\" or \"radiation\"",
-                                    [](const std::string& name) { return name == "pressure" || name == "radiation"; }))
-        project.am_law = *law == "pressure" ? AmplitudeLaw::pressure : AmplitudeLaw::radiation;
-    project.magnitude = whole.number("magnitude", 1e-6, 1e6);
-    assign(project.amplitude, whole.number("amplitude", 1e-6, 1.0));
-    assign(project.quantise, whole.text("quantise", fmt::format("\"{}\"", hoshi_segments.name),
-                                        [](const std::string& name) { return name == hoshi_segments.name; }));
-    if (const auto image = whole.text("image", "\"records\" or \"foci\"",
-                                      [](const std::string& name) { return name == "records" || name == "foci"; }))
-        project.image = *image == "foci" ? ImageKind::foci : ImageKind::records;
     project.live = live_table_from_toml(text, where);
     project.triggers = triggers_from_toml(text, where);
     check_subject(project, whole, where);
@@ -317,33 +346,7 @@ Project load_project(const std::filesystem::path& path) {
 }
 
 std::string to_toml(const Project& project) {
-    const Project standard;
-    std::string text = fmt::format("format = \"{}\"\n", format_name);
-    if (project.array) text += fmt::format("array = {}\n", quoted_text(*project.array));
-    if (project.board) text += fmt::format("board = {}\n", quoted_text(*project.board));
-    if (!project.path.empty()) text += fmt::format("path = {}\n", quoted_text(project.path));
-    const auto has = [&](std::string_view key) { return why_idle(key, project).empty(); };
-    if (project.points != standard.points && has("points")) text += fmt::format("points = {}\n", project.points);
-    if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
-        throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
-                                               std::numeric_limits<std::int64_t>::max()));
-    if (project.seed != standard.seed && has("seed")) text += fmt::format("seed = {}\n", project.seed);
-    if (project.clip && has("clip")) text += "clip = true\n";
-    const bool paced = project.pace.speed_m_s || project.pace.frequency_hz;
-    if (!paced && project.rate_hz != standard.rate_hz)
-        text += fmt::format("rate_hz = {}\n", number_text(project.rate_hz));
-    if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number_text(*project.pace.speed_m_s));
-    if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number_text(*project.pace.frequency_hz));
-    if (project.jump == Jump::blank && has("jump")) text += "jump = \"blank\"\n";
-    if (project.even && has("even")) text += "even = true\n";
-    if (!project.am.empty()) text += fmt::format("am = {}\n", quoted_text(project.am));
-    if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
-    if (project.amplitude != standard.amplitude)
-        text += fmt::format("amplitude = {}\n", number_text(project.amplitude));
-    if (project.magnitude) text += fmt::format("magnitude = {}\n", number_text(*project.magnitude));
-    if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted_text(project.quantise));
-    if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
-    if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
+    std::string text = fmt::format("format = \"{}\"\n", format_name) + settings_text(project);
     if (project.hand) text += to_toml(*project.hand);
     const std::string placed = to_toml(project.placement);
     if (!placed.empty()) text += "\n[place]\n" + placed;
