@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A line that drops and damages bytes, both ways, between a client and a virtual board."""
 import contextlib
+import json
 import os
 import random
 import select
@@ -62,3 +63,15 @@ def test_an_upload_arrives_whole(folder, image, seed):
             assert client.download() == image
             assert harm["dropped"] and harm["damaged"] and client.retransmissions
         assert "read back and equal" in boards.haptogram(folder, "upload", "image.hex", "--port", "port", "--verify")
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_an_upload_of_the_program_arrives_whole(folder, image, seed):
+    """The other client on the same line."""
+    with boards.virtual_board(folder):
+        with lossy(str(folder / "port"), seed) as (port, harm):
+            told = json.loads(boards.haptogram(folder, "upload", "image.hex", "--port", port, "--baud", "1000000", "--verify", "--json"))
+            assert harm["dropped"] and harm["damaged"] and told["retransmissions"]
+        with Client.open(str(folder / "port")) as client:
+            client.compare(image)
+            assert client.download() == image
