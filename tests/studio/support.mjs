@@ -317,3 +317,21 @@ export async function pixels(page) {
     return [...context.getImageData(0, 0, image.width, image.height).data].filter((_, i) => i % 4 !== 3);
   }, shot);
 }
+
+/**
+ * The colours that the view has at places, by its first camera. What the panel below finds makes the view less high, so that it is looked at
+ * again if it had another size afterwards. @return for a place in millimetres, the colours of its pixel and of its eight neighbours
+ */
+export async function coloursSeen(page) {
+  for (;;) {
+    const shown = await middle(page);
+    const all = await pixels(page);
+    if (JSON.stringify(await middle(page)) !== JSON.stringify(shown)) continue;
+    const width = Math.round(shown.box.width);
+    return (place) => {
+      const at = drawnAt(place, shown);
+      const [x, y] = [Math.round(at.x - shown.box.x), Math.round(at.y - shown.box.y)];
+      return [0, -1, 1].flatMap((dy) => [0, -1, 1].map((dx) => all.slice(3 * ((y + dy) * width + x + dx), 3 * ((y + dy) * width + x + dx) + 3)));
+    };
+  }
+}
