@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
 namespace {
@@ -252,18 +253,25 @@ Status Commands::status() { return to_status(request({Command::status, {}}).data
 
 void Commands::select(std::uint16_t index, std::uint16_t dwell) { request(select_request(index, dwell)); }
 
-void Commands::set_gate(When when) {
-    if (when == When::at_once()) return;
+Reply Commands::request(Request wanted, When when) {
+    if (when == When::at_once()) return request(std::move(wanted));
     if (!interface::has(identity().features, interface::Feature::schedule))
         throw device_error("its changes cannot wait; that takes a board with the parameter SCHEDULE");
     if (when == When::at_trigger() && !interface::has(identity().features, interface::Feature::trigger))
         throw device_error("it has no trigger input; that takes a board with the parameter TRIGGER");
     request(gate_request(when));
+    try {
+        return request(std::move(wanted));
+    } catch (const LinkLost&) {
+        throw;
+    } catch (const Error&) {
+        request(gate_request(When::at_once()));  // or the next command would wait in the place of this one
+        throw;
+    }
 }
 
 std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when) {
-    set_gate(when);
-    return request({Command::push, followed_by(payload_of(dwell), indices)}).live_level;
+    return request({Command::push, followed_by(payload_of(dwell), indices)}, when).live_level;
 }
 
 std::uint16_t Commands::push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell) {
@@ -271,14 +279,11 @@ std::uint16_t Commands::push_foci(std::span<const std::uint16_t> words, std::uin
 }
 
 void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops, When when) {
-    set_gate(when);
-    request(start_request(first, length, loops));
+    request(start_request(first, length, loops), when);
 }
 
 void Commands::modulate(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first, When when) {
-    Request wanted = modulate_request(divider, length, loop, first);
-    set_gate(when);
-    request(std::move(wanted));
+    request(modulate_request(divider, length, loop, first), when);
 }
 
 void Commands::set_watchdog(std::uint16_t milliseconds) { request(watchdog_request(milliseconds)); }

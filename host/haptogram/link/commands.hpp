@@ -181,6 +181,8 @@ public:
 
     /// One request and its reply.
     Reply request(Request request);
+    /// The same, which takes effect then. When the device refuses it, nothing waits any more.
+    Reply request(Request wanted, When when);
     /// Many requests, several under way at once; replies in order.
     /// @param progress  told the fraction done after each reply
     std::vector<Reply> pipeline(std::vector<Request> requests, const Progress& progress = {});
@@ -210,9 +212,6 @@ public:
 protected:
     /// Called before requests of their own by request() and pipeline().
     virtual void make_ready() {}
-
-private:
-    void set_gate(When when);
 };
 
 /// That a reply to a request is one: its data as long as was asked for, its values within what the device has.

@@ -132,9 +132,7 @@ void RigCommands::begin(const Request& request) {
         playing_->ask();
     }
     begun_ = {};
-    const auto arm = [&](const Tile& tile, When when) {
-        begun_ = tile.device.request(gate_request(when)), begun_ = tile.device.request(request);
-    };
+    const auto arm = [&](const Tile& tile, When when) { begun_ = tile.device.request(request, when); };
     // Each tile may have the last entry before it.
     playing_->begin_together(arm, playing_->period() + last_dwell_ + push_on_the_way, heard_->on);
     heard_->on = true;
