@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { delimiter, dirname, join } from "node:path";
 import { test } from "node:test";
 import { promisify } from "node:util";
-import { accessible, boardSays, drawnAt, drop, eventually, folder, hasValue, middle, openDesign, openPage, panel, picture, pixels, program, run, settled, shapes, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, drawnAt, drop, eventually, folder, hasValue, keptPicture, middle, openDesign, openPage, panel, picture, pixels, program, run, settled, shapes, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
 async function fill(page, label, value) {
@@ -73,7 +73,7 @@ for (const colorScheme of ["light", "dark"])
       assert.match(rows, new RegExp(`${name}\\s+${String(Number(value.toPrecision(3))).replace(".", "\\.")}\\b`), rows);
     // Its focal points and lines are drawn where the path has them.
     const foci = JSON.parse(taken).steps.flatMap((step) => step.foci.map((focus) => focus.position_mm));
-    await picture(page, `hand-${colorScheme}`);
+    await keptPicture(page, `hand-${colorScheme}`);
     const drawn = await partDrawn(page, foci, await themeColour(page, "--focus"));
     assert.ok(drawn > 0.9, `${drawn} of the focal points are seen`);
     await accessible(page);
