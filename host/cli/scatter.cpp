@@ -10,6 +10,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 
@@ -51,6 +52,7 @@ void print(const Scattered& s) {
             "ring of {} foci: the strongest presses {:.2f} times as much as the weakest, at most {:.1f} mm off its "
             "place\n",
             s.ring->foci, s.ring->uneven, s.ring->farthest_m / millimetre);
+    if (!s.is_plane_wave) fmt::print("{}\n", level_text(s.array.transducer));
     if (s.resting > 0.0) fmt::print("nothing plays for {:.1f} % of the time\n", 100.0 * s.resting);
 }
 

@@ -82,6 +82,15 @@ def test_pressure_doubles_before_a_large_body(ball):
     assert 1.3 * free < facing[:, 7].mean() < 2.0 * free
 
 
+def test_what_the_level_rests_on_is_said(ball, tmp_path):
+    """A plane wave comes from no array, so it has none."""
+    assert ball[0]["level"]["calibrated"] is False
+    assert "nominal" in text(succeed([*BALL, *AIM], cwd=tmp_path).stdout)
+    wave = [*BALL, "--plane-wave", "0,0,1"]
+    assert "level" not in json.loads(text(succeed([*wave, "--json"], cwd=tmp_path).stdout))
+    assert "nominal" not in text(succeed(wave, cwd=tmp_path).stdout)
+
+
 def test_a_mesh_from_a_file_is_as_the_built_in_ball(ball, tmp_path):
     report, _ = ball
     corners, triangles = icosphere(3, 0.5)

@@ -237,6 +237,7 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
     }
     if (found.steps.empty()) throw bad_input(source.path, "nothing is played: all of it is silence");
     found.title = title_of(source, found);
+    found.is_plane_wave = source.plane_wave.has_value();
 
     const double wave_number = 2.0 * std::numbers::pi / array.wavelength_m();
     progress(0.0, "matrix");

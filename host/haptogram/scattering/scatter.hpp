@@ -65,7 +65,8 @@ struct RingEvenness {
 struct Scattered {
     Array array;
     Body body;
-    std::string title;  ///< in words
+    std::string title;           ///< in words
+    bool is_plane_wave = false;  ///< from no array
     std::vector<ScatteredStep> steps;
     std::vector<float> rms_pressure;  ///< Pa, root of the mean square over time, one a triangle
     std::vector<float> radiation;     ///< Pa, mean over time, inwards

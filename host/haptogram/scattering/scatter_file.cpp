@@ -11,6 +11,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/picture.hpp"
 #include "haptogram/scattering/scatter.hpp"
+#include "haptogram/verbs/level.hpp"
 
 namespace haptogram {
 namespace {
@@ -73,6 +74,7 @@ std::string to_json_text(const Scattered& s) {
                          {"force_mn", newtons(s.force_n)},
                          {"resting", s.resting},
                          {"steps", ordered_json::array()}};
+    if (!s.is_plane_wave) json["level"] = level_json(s.array.transducer);
     if (s.ring)
         json["ring"] = {
             {"foci", s.ring->foci}, {"uneven", s.ring->uneven}, {"farthest_mm", s.ring->farthest_m / millimetre}};
