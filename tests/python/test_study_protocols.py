@@ -8,7 +8,7 @@ import tomllib
 
 import pytest
 from haptogram import HaptogramError
-from haptogram.study import design, protocol, stimulus
+from haptogram.study import design, observers, protocol, stimulus
 from haptogram.study.asking import parse
 from haptogram.study.design import cells
 
@@ -111,7 +111,7 @@ def written(tmp_path, text, name="small.toml"):
 
 def refused(path, *needles):
     with pytest.raises(HaptogramError) as caught:
-        protocol.read(path)
+        observers.read_protocol(path)
     assert caught.value.code == 3
     for needle in (path.name, *needles):
         assert needle in str(caught.value), str(caught.value)

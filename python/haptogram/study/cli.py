@@ -18,7 +18,7 @@ from ..markers import Markers, no_mark
 from . import protocol as protocols
 from . import results, touching
 from .asking import Keyboard, Observer, Page, Stopped
-from .observers import simulated
+from .observers import read_protocol, simulated
 from .protocol import Protocol
 from .session import Session
 from .stimulus import Board, Compiler, Live, Presenter, program
@@ -31,11 +31,11 @@ def say(text: str) -> None:
 
 
 def list_command(options: argparse.Namespace) -> int:
-    found = {name: protocols.read(path) for name, path in protocols.shipped().items()}
+    found = {name: read_protocol(path) for name, path in protocols.shipped().items()}
     bad: dict[str, str] = {}
     for name, path in protocols.in_folder(Path(options.folder)).items() if options.folder else ():
         try:
-            found[name] = protocols.read(path)
+            found[name] = read_protocol(path)
         except HaptogramError as error:
             bad[name] = str(error)
     if options.json:
@@ -54,7 +54,7 @@ def check_command(options: argparse.Namespace) -> int:
     bad = 0
     for name in options.protocols:
         try:
-            found = protocols.read(protocols.find(name))
+            found = read_protocol(protocols.find(name))
             print(f"{name}: good: {found.trials} {'runs' if found.staircase else 'trials'} a participant, {len(found.questions)} questions, {len(found.analyses)} analyses")
         except HaptogramError as error:
             say(str(error))
@@ -113,7 +113,7 @@ def _end(number: int, frame: object) -> None:
 
 
 def run_command(options: argparse.Namespace) -> int:
-    protocol = protocols.read(protocols.find(options.protocol))
+    protocol = read_protocol(protocols.find(options.protocol))
     observer = _observer(options, protocol)
     with results.ResultsFile(Path(options.output)) as file:
         if file.moved:
@@ -146,7 +146,7 @@ def run_command(options: argparse.Namespace) -> int:
 def analyse_command(options: argparse.Namespace) -> int:
     from . import analysis
 
-    protocol = protocols.read(protocols.find(options.protocol))
+    protocol = read_protocol(protocols.find(options.protocol))
     records = [pair for name in options.results for pair in results.read(Path(name))]
     study = analysis.study(protocol, records, mixed=options.mixed, unfinished=options.unfinished)
     print(json.dumps(study.as_json(), indent=1, allow_nan=False) if options.json else study.report())
@@ -156,7 +156,7 @@ def analyse_command(options: argparse.Namespace) -> int:
 def power_command(options: argparse.Namespace) -> int:
     from . import analysis
 
-    protocol = protocols.read(protocols.find(options.protocol))
+    protocol = read_protocol(protocols.find(options.protocol))
     participants = options.participants or protocol.participants
     found = analysis.power(protocol, options.observer, participants, options.runs, options.seed, options.alpha)
     if options.json:

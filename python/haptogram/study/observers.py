@@ -9,6 +9,7 @@ from statistics import NormalDist
 from typing import Any
 
 from ..errors import HaptogramError, ErrorCode, bad_input
+from . import protocol as protocols
 from . import tables
 from .asking import Answer, Occasion
 from .design import digest
@@ -220,6 +221,14 @@ def read_models(protocol: Protocol, given: dict[str, Any], where: str) -> dict[s
     models = {q.name: _model(protocol, q, top.table(q.name)) for q in protocol.questions}
     top.done()
     return models
+
+
+def read_protocol(path: Path) -> Protocol:
+    """A protocol whose models of simulated people make sense, too."""
+    protocol = protocols.read(path)
+    if protocol.simulated:
+        read_models(protocol, protocol.simulated, f"{path}: simulated")
+    return protocol
 
 
 def _guess(question: Question) -> Model:

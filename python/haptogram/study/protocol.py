@@ -257,7 +257,7 @@ def places(protocol: Protocol, levels: Mapping[str, Level], drawn: Mapping[str, 
 
 
 def read(path: Path) -> Protocol:
-    """Raises HaptogramError when it is no protocol, or makes no sense."""
+    """Raises HaptogramError when it is no protocol, or makes no sense; of its [simulated] models, observers.read_protocol() does."""
     top = tables.load(path)
     return _read(top, path, hashlib.sha256(path.read_bytes()).hexdigest())
 
@@ -289,10 +289,6 @@ def _read(top: Table, path: Path, sha256: str) -> Protocol:
                         stimulus, questions, rest, staircase, analyses, simulated)  # fmt: skip
     if protocol.trials > MOST_TRIALS:
         raise bad_input(f"{path}: order", f"makes {protocol.trials} trials a participant, expected at most {MOST_TRIALS}; ask for fewer")
-    if simulated:
-        from .observers import read_models
-
-        read_models(protocol, simulated, f"{path}: simulated")
     return protocol
 
 
