@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/acoustics/coarse.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,45 +20,39 @@ using Weights = std::array<double, taps>;
 
 double sinc(double x) { return std::abs(x) < 1e-6 ? 1.0 : std::sin(x) / x; }
 
-/// Of the matrix sinc(κ₀(t − s)), by Cholesky.
-std::array<Weights, taps> lower_factor() {
-    std::array<Weights, taps> lower{};
-    for (std::size_t i = 0; i < taps; ++i)
-        for (std::size_t j = 0; j <= i; ++j) {
-            double sum = sinc(widest_band * static_cast<double>(i - j));
-            if (i == j) sum += 1e-13;  // below the error that is wanted, and above rounding: keeps the roots real
-            for (std::size_t n = 0; n < j; ++n) sum -= lower[i][n] * lower[j][n];
-            lower[i][j] = i == j ? std::sqrt(sum) : sum / lower[j][j];
-        }
-    return lower;
+using Matrix = Eigen::Matrix<double, taps, taps>;
+using Vector = Eigen::Matrix<double, taps, 1>;
+
+/// Of the matrix sinc(κ₀(t − s)).
+Eigen::LLT<Matrix> factors() {
+    return Matrix::NullaryExpr([](Eigen::Index i, Eigen::Index j) {
+               // On the diagonal more, by less than the error that is wanted and more than rounding: it keeps the roots
+               // real.
+               return sinc(widest_band * static_cast<double>(i - j)) + (i == j ? 1e-13 : 0.0);
+           })
+        .llt();
 }
 
 /// The weights that interpolate between tap half − 1 and tap half, at a fraction of a step behind the former, with the
 /// least mean square error over all waves of up to widest_band. Wave e^{jκt} has the error e^{jκf} − Σ c_t·e^{jκt}. The
 /// mean of its square over κ is least where Σ_s sinc(κ₀(t − s))·c_s = sinc(κ₀(t − f)) for every t, with κ₀ =
 /// widest_band.
-/// @param lower  lower_factor()
-Weights weights_at(double fraction, const std::array<Weights, taps>& lower) {
-    Weights c{};
-    for (std::size_t i = 0; i < taps; ++i) {
-        double sum = sinc(widest_band * (static_cast<double>(i) - static_cast<double>(half - 1) - fraction));
-        for (std::size_t n = 0; n < i; ++n) sum -= lower[i][n] * c[n];
-        c[i] = sum / lower[i][i];
-    }
-    for (std::size_t i = taps; i-- > 0;) {
-        for (std::size_t n = i + 1; n < taps; ++n) c[i] -= lower[n][i] * c[n];
-        c[i] /= lower[i][i];
-    }
-    return c;
+Weights weights_at(double fraction, const Eigen::LLT<Matrix>& factors) {
+    const Vector c = factors.solve(Vector::NullaryExpr([fraction](Eigen::Index i) {
+        return sinc(widest_band * (static_cast<double>(i) - static_cast<double>(half - 1) - fraction));
+    }));
+    Weights weights{};
+    std::copy(c.begin(), c.end(), weights.begin());
+    return weights;
 }
 
 /// The same, quickly: by straight lines between fractions so near to each other that they are off by 3e-7 at most.
 class WeightTable {
 public:
     WeightTable() {
-        const auto lower = lower_factor();
+        const Eigen::LLT<Matrix> of_taps = factors();
         for (std::size_t i = 0; i <= steps; ++i)
-            at_.push_back(weights_at(static_cast<double>(i) / static_cast<double>(steps), lower));
+            at_.push_back(weights_at(static_cast<double>(i) / static_cast<double>(steps), of_taps));
     }
 
     [[nodiscard]] Weights operator()(double fraction) const {

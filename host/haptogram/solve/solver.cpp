@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -80,24 +81,12 @@ Complex direction(Complex a) {
 }
 double size(Complex a) { return std::sqrt(a.real() * a.real() + a.imag() * a.imag()); }
 
-/// The positive definite system G·y = b by Cholesky's method; G is K × K, row by row, Hermitian, and is overwritten.
-Vector solve_positive(Vector g, Vector b) {
-    const std::size_t n = b.size();
-    for (std::size_t j = 0; j < n; ++j) {
-        for (std::size_t i = j; i < n; ++i) {
-            Complex sum = g[i * n + j];
-            for (std::size_t c = 0; c < j; ++c) sum -= times_conj(g[i * n + c], g[j * n + c]);
-            g[i * n + j] = i == j ? std::sqrt(sum.real()) : sum / g[j * n + j].real();
-        }
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t c = 0; c < i; ++c) b[i] -= times(g[i * n + c], b[c]);
-        b[i] /= g[i * n + i].real();
-    }
-    for (std::size_t i = n; i-- > 0;) {
-        for (std::size_t c = i + 1; c < n; ++c) b[i] -= times_conj(b[c], g[c * n + i]);
-        b[i] /= g[i * n + i].real();
-    }
+/// The positive definite system G·y = b; G is K × K, row by row, Hermitian.
+Vector solve_positive(const Vector& g, Vector b) {
+    using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const auto n = static_cast<Eigen::Index>(b.size());
+    Eigen::Map<Eigen::VectorXcd> unknown(b.data(), n);
+    Eigen::Map<const Matrix>(g.data(), n, n).llt().solveInPlace(unknown);
     return b;
 }
 
@@ -226,7 +215,7 @@ public:
         const double damped = std::max(damping * trace, least_damping * squares / static_cast<double>(elements_)) /
                               static_cast<double>(rows);
         for (std::size_t k = 0; k < rows; ++k) g[k * rows + k] += damped;
-        const Vector y = solve_positive(std::move(g), std::move(wanted));
+        const Vector y = solve_positive(g, std::move(wanted));
         for (std::size_t m = 0; m < elements_; ++m) {
             Complex change = 0.0;
             for (std::size_t k = 0; k < rows; ++k) change += times_conj(y[k], j[k * elements_ + m]);
