@@ -6,6 +6,7 @@ import { Choice, MaybeField, NumberField, Panel, PointField, Row } from "./contr
 import { edit, endGesture, having, type HandTable, project, type ProjectDocument } from "./document";
 import { ofAllFrames } from "./hand_reader";
 import { InstrumentFields, Strength } from "./instrument";
+import { labels } from "./labels";
 import type { FrameReport } from "./link";
 import { Modulation } from "./modulation";
 import { touchedAt } from "./placing";
@@ -36,7 +37,7 @@ function Recording({ now, hand }: Omit<WithDocument, "actions">) {
   const [script = "", height = String(usualHeight)] = hand.recording.slice(prefix.length).split(":");
   const choose = (chosen: string, at: number): void => change(now, { recording: at === usualHeight ? `${prefix}${chosen}` : `${prefix}${chosen}:${rounded(at)}`, model: undefined, frames_hz: undefined, frame: synthetic && chosen === script ? hand.frame : 1 });
   return (
-    <Panel title="Hand">
+    <Panel title={labels.hand}>
       <Choice label="Recording" value={synthetic ? script : "file"} choices={[...scripts.map(([key, about]): [string, string] => [key, `${key}: ${about}`]), ...(synthetic ? [] : [["file", hand.recording] as [string, string]])]} onValue={(value) => value !== "file" && choose(value, usualHeight)} />
       {synthetic && <NumberField label="Palm height" unit="mm" value={Number(height)} least={1} onValue={(value) => choose(script, value)} />}
       {!synthetic && <p class="file">{hand.recording}{hand.model !== undefined && `, bones of ${hand.model}`}</p>}
@@ -92,10 +93,10 @@ function Touched({ actions, now, hand }: WithDocument) {
     <Panel title="Touched object">
       <Choice label="Kind" value={object} choices={[...kinds, ...(kinds.includes(object) ? [] : [object])].map((kind) => [kind, kind])} onValue={(kind) => change(now, { object: kind, unit: undefined, height_mm: undefined, size_mm: kinds.includes(object) ? hand.size_mm : undefined })} />
       {file && <Choice label="Unit of the file" value={hand.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(now, { unit })} />}
-      {object !== "half-space" && <MaybeField label="Size" unit="mm" empty={file ? "its own" : "100"} value={hand.size_mm} least={0.001} onValue={(size_mm) => change(now, { size_mm })} />}
+      {object !== "half-space" && <MaybeField label={labels.size} unit="mm" empty={file ? "its own" : "100"} value={hand.size_mm} least={0.001} onValue={(size_mm) => change(now, { size_mm })} />}
       {withHeight.includes(object) && <NumberField label="Height" unit="mm" value={hand.height_mm ?? hand.size_mm ?? 100} least={0.001} onValue={(height_mm) => change(now, { height_mm })} />}
-      <PointField label="Centre" each="Centre" unit="mm" value={centre} onValue={(center_mm) => change(now, { center_mm })} />
-      <PointField label="Turn about" each="Turn about" unit="°" step={5} value={turned} onValue={(rotate_deg) => change(now, { rotate_deg })} />
+      <PointField label={labels.center} each={labels.center} unit="mm" value={centre} onValue={(center_mm) => change(now, { center_mm })} />
+      <PointField label={labels.rotate} each={labels.rotate} unit="°" step={5} value={turned} onValue={(rotate_deg) => change(now, { rotate_deg })} />
       <label class="drop">
         Drop a recording or a closed mesh anywhere, or choose one
         <input type="file" multiple accept=".json,.lz,.pose,.ply,.obj,.stl" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
@@ -115,7 +116,7 @@ function Algorithm({ actions, now, hand }: WithDocument) {
     <Panel title="Algorithm">
       <Choice label="Algorithm" value={hand.algorithm ?? "A"} choices={(hello?.algorithms ?? []).map(({ letter, about }) => [letter, `${letter}: ${about}`])} onValue={(algorithm) => change(now, { algorithm })} />
       <Choice label="Pace" value={pace} choices={paces} onValue={(key) => set({ speed_m_s: key === "speed_m_s" ? 7 : undefined, frequency_hz: key === "frequency_hz" ? 30 : undefined })} />
-      {pace === "speed_m_s" && <NumberField label="Speed" unit="m/s" value={now.speed_m_s ?? 7} least={0.000001} onValue={(speed_m_s) => set({ speed_m_s })} />}
+      {pace === "speed_m_s" && <NumberField label={labels.speed_m_s} unit="m/s" value={now.speed_m_s ?? 7} least={0.000001} onValue={(speed_m_s) => set({ speed_m_s })} />}
       {pace === "frequency_hz" && <NumberField label="Passes a second" unit="Hz" value={now.frequency_hz ?? 30} least={0.000001} onValue={(frequency_hz) => set({ frequency_hz })} />}
       <Choice label="Between lines" value={String(now["jump"] ?? "hop")} choices={[["hop", "hop at once"], ["blank", "silent on the way"]]} onValue={(jump) => set({ jump: jump === "hop" ? undefined : jump })} />
       <NumberField label="Points of a pass" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => set({ points })} />
@@ -130,7 +131,7 @@ function Path({ actions, now }: Omit<WithDocument, "hand">) {
   const busy = state.rendering.value;
   const text = [renderCommand(now), renderCommand(ofAllFrames(now))].join("\n");
   return (
-    <Panel title="Path">
+    <Panel title={labels.path}>
       <div class="buttons">
         <button type="button" disabled={busy || !state.hand.value?.report} onClick={() => void actions.renderHand("frame")}>Path of this frame (.json)</button>
         <button type="button" disabled={busy} onClick={() => void actions.renderHand("all")}>Path of all frames (.json)</button>

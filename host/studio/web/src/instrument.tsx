@@ -2,6 +2,7 @@
 // How often an object is played and how strong it is, and what it is made for: the array, and the board that drives it.
 import { Choice, MaybeField, NumberField } from "./controls";
 import type { ProjectDocument } from "./document";
+import { labels } from "./labels";
 import type { Hello } from "./link";
 
 type Changes = { loops?: number | undefined; amplitude?: number | undefined; array?: string | undefined; board?: string | undefined };
@@ -13,7 +14,7 @@ interface Given {
 const named = (name: string): [string, string] => [name, name];
 
 export function Strength({ now, set }: Given) {
-  return <NumberField label="Amplitude" unit="%" value={Number((100 * (now.amplitude ?? 1)).toPrecision(12))} step={5} least={0.1} most={100} onValue={(percent) => set({ amplitude: percent === 100 ? undefined : Number((percent / 100).toPrecision(12)) })} />;
+  return <NumberField label={labels.amplitude} unit="%" value={Number((100 * (now.amplitude ?? 1)).toPrecision(12))} step={5} least={0.1} most={100} onValue={(percent) => set({ amplitude: percent === 100 ? undefined : Number((percent / 100).toPrecision(12)) })} />;
 }
 
 export function InstrumentFields({ hello, now, set }: Given & { hello: Hello | undefined }) {
@@ -24,9 +25,9 @@ export function InstrumentFields({ hello, now, set }: Given & { hello: Hello | u
   const chosen = (name: string): void => set({ board: name || undefined, array: boards.find((each) => each.name === name)?.array ?? now.array });
   return (
     <>
-      <MaybeField label="Passes in all" unit="" empty="on and on" whole value={now.loops || undefined} least={1} most={65535} onValue={(passes) => set({ loops: passes })} />
-      <Choice label="Array" value={array} choices={[...new Set([...(hello?.arrays ?? []), array])].map(named)} onValue={(name) => set({ array: name })} />
-      <Choice label="For board" value={board} choices={[["", "any with enough channels"], ...[...new Set([...boards.map(({ name }) => name), ...(board ? [board] : [])])].map(named)]} onValue={chosen} />
+      <MaybeField label={labels.loops} unit="" empty="on and on" whole value={now.loops || undefined} least={1} most={65535} onValue={(passes) => set({ loops: passes })} />
+      <Choice label={labels.array} value={array} choices={[...new Set([...(hello?.arrays ?? []), array])].map(named)} onValue={(name) => set({ array: name })} />
+      <Choice label={labels.board} value={board} choices={[["", "any with enough channels"], ...[...new Set([...boards.map(({ name }) => name), ...(board ? [board] : [])])].map(named)]} onValue={chosen} />
     </>
   );
 }

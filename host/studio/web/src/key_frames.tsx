@@ -3,6 +3,7 @@
 import { useState } from "preact/hooks";
 import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./controls";
 import { edit, endGesture, having, type KeyFrame, project, type ProjectDocument } from "./document";
+import { labels } from "./labels";
 import { formsFor, withForm, withoutOldForms } from "./placing";
 import { type Actions, state } from "./state";
 import { entryAt } from "./tour";
@@ -86,7 +87,7 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
   };
   if (frames.length === 0)
     return (
-      <Panel title="Movement">
+      <Panel title={labels.keyframe}>
         <button type="button" class="wide" onClick={begin}>Let it move</button>
         <p class="hint">From key frame to key frame: its place, size, turn and strength. It takes {fewPoints} focal points at most at first, because the board holds each one at each place.</p>
       </Panel>
@@ -112,7 +113,7 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
     put(frames.map((each, i) => (i === at ? { ...each, shape: more.shape?.length } as KeyFrame : each)), more);
   };
   return (
-    <Panel title="Movement">
+    <Panel title={labels.keyframe}>
       <div class="buttons keys" role="group" aria-label="Key frames">
         {frames.map((each, i) => <button key={i} type="button" aria-pressed={i === at} aria-label={`Key frame ${i + 1}, at ${each.time_s} s`} onClick={() => choose(actions, i)}>{each.time_s} s</button>)}
         <button type="button" onClick={add} aria-label="Add a key frame after this one">+</button>

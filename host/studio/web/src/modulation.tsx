@@ -2,6 +2,7 @@
 // What the strength of all focal points follows: a tone, a sound, or a curve.
 import { Choice } from "./controls";
 import type { ProjectDocument } from "./document";
+import { labels } from "./labels";
 import type { Actions } from "./state";
 
 /** Waveforms of the amplitude, as a project file names them. */
@@ -13,7 +14,7 @@ export function Modulation({ actions, now, set }: { actions: Actions; now: Proje
   const am = now.am ?? "";
   return (
     <>
-      <Choice label="Modulation" value={am} choices={[...new Set([...tones.map(([key]) => key), am])].map((key) => [key, nameOf(key)])} onValue={(value) => set({ am: value || undefined })} />
+      <Choice label={labels.am} value={am} choices={[...new Set([...tones.map(([key]) => key), am])].map((key) => [key, nameOf(key)])} onValue={(value) => set({ am: value || undefined })} />
       <label class="button">By a sound or a curve…
         <input class="hidden" type="file" accept=".wav,.csv" onChange={(e) => { void actions.drop([...(e.currentTarget.files ?? [])]); e.currentTarget.value = ""; }} />
       </label>

@@ -6,6 +6,7 @@ import { NeedsProgram } from "./board";
 import { commands } from "./commands";
 import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
 import { designName, edit, having, project } from "./document";
+import { labelOf } from "./labels";
 import type { Failure, Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
 import { type Actions, boardOf, type Handles, noProgram, shownRecord, state } from "./state";
@@ -163,17 +164,10 @@ export function ScaleBar() {
   return <p class="scale"><span>{length} mm</span><i style={{ width: `${Math.round(length / mm)}px` }} /></p>;
 }
 
-/** What the page calls the keys and options that a failure may be about. */
-const labels: Record<string, string> = {
-  points: "Focal points", rate: "Passes a second", rate_hz: "Passes a second", speed: "Speed", speed_m_s: "Speed", frequency: "Drawings a second", frequency_hz: "Drawings a second",
-  am: "Modulation", am_law: "Modulation", amplitude: "Amplitude", magnitude: "Amplitude", array: "Array", board: "For board", loops: "Passes in all", even: "All points feel alike",
-  keyframe: "Movement", trigger: "Triggers", path: "Path", shape: "Object", place: "Place", size: "Size", center: "Centre", rotate: "Turn about", hand: "Hand", project: "The design",
-};
-
 /** Where a failure is, in the page's words: a label, or a file's name, without the folders of this machine. */
 function placeOf(where: string): string {
   const [, place = "", line] = where.match(/^(.*?)(?::(\d+))?$/) ?? [];
-  const known = labels[place.replace(/^-+/, "")];
+  const known = labelOf(place.replace(/^-+/, ""));
   if (known !== undefined) return known;
   const name = place.startsWith("/dev/") ? place : place.slice(place.lastIndexOf("/") + 1);
   return line === undefined ? name : `${name}, line ${line}`;

@@ -2,6 +2,7 @@
 // A path in place of an object: a file's, or one that is drawn by hand on the plane.
 import { Choice, NumberField, Panel } from "./controls";
 import { edit, having, type ProjectDocument } from "./document";
+import { labels } from "./labels";
 import { short } from "./quantity";
 import { type Actions, state } from "./state";
 import { lengthOf } from "./stroke";
@@ -13,7 +14,7 @@ export function PathPanel({ actions, now }: { actions: Actions; now: ProjectDocu
   const smoothed = state.smoothed.value?.file === now.path ? state.smoothed.value : undefined;
   const { array, board, live } = now;
   return (
-    <Panel title="Path">
+    <Panel title={labels.path}>
       <p class="file">{now.path}</p>
       {line ? (
         <>

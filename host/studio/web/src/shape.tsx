@@ -5,6 +5,7 @@ import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./
 import { HandSettings } from "./hand";
 import { InstrumentFields, Strength } from "./instrument";
 import { KeyFrames } from "./key_frames";
+import { labels } from "./labels";
 import { Modulation } from "./modulation";
 import { PathPanel } from "./path";
 import { moved, nameOf, placed, placeOf, withAnother, without } from "./placing";
@@ -13,9 +14,9 @@ import { Triggers } from "./triggers";
 
 /** What says how fast the object is played; the others follow. `usual` is what a change of pace begins with. */
 const paces = [
-  { key: "rate_hz", name: "passes a second", label: "Passes a second", unit: "Hz", usual: 10 },
-  { key: "speed_m_s", name: "speed of the focus", label: "Speed", unit: "m/s", usual: 7 },
-  { key: "frequency_hz", name: "drawings a second", label: "Drawings a second", unit: "Hz", usual: 10 },
+  { key: "rate_hz", name: "passes a second", label: labels.rate_hz, unit: "Hz", usual: 10 },
+  { key: "speed_m_s", name: "speed of the focus", label: labels.speed_m_s, unit: "m/s", usual: 7 },
+  { key: "frequency_hz", name: "drawings a second", label: labels.frequency_hz, unit: "Hz", usual: 10 },
 ] as const;
 const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
 
@@ -38,7 +39,7 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
     actions.choose(shapes.length);
   };
   return (
-    <Panel title="Object">
+    <Panel title={labels.shape}>
       {several && <Choice label="Of several" value={String(chosen ?? "")} choices={[["", "all together"], ...shapes.map((each, i): [string, string] => [String(i), nameOf(each, i)])]} onValue={(value) => actions.choose(value === "" ? undefined : Number(value))} />}
       {chosen !== undefined && shape.file === undefined && <Choice label="Shape" value={shape.kind ?? ""} choices={primitives.map((kind) => [kind, kind])} onValue={(kind) => become(chosen, kind)} />}
       {chosen !== undefined && shape.file !== undefined && (
@@ -72,18 +73,18 @@ function PlacePanel({ now }: { now: ProjectDocument }) {
   const apart = object === undefined && place.center_mm === undefined && shapes.some((shape) => shape.center_mm !== undefined);
   const change = (changes: Parameters<typeof moved>[2]): void => edit(moved(now, object, changes));
   const turned = place.rotate_deg ?? [0, 0, 0];
-  const turn = <PointField label="Turn about" each="Turn about" unit="°" step={5} value={turned} onValue={(rotate_deg) => change({ rotate_deg })} />;
+  const turn = <PointField label={labels.rotate} each={labels.rotate} unit="°" step={5} value={turned} onValue={(rotate_deg) => change({ rotate_deg })} />;
   return (
-    <Panel title={object === undefined ? "Place" : `Place of ${nameOf(shapes[object] ?? {}, object)}`}>
+    <Panel title={object === undefined ? labels.place : `${labels.place} of ${nameOf(shapes[object] ?? {}, object)}`}>
       {apart ? (
         <>
           <p class="hint">Each object has a centre of its own.</p>
           <button type="button" onClick={() => change({ center_mm: [0, 0, 130] })}>Centre all together</button>
         </>
       ) : (
-        <PointField label="Centre" each="Centre" unit="mm" value={place.center_mm ?? [0, 0, object === undefined ? 130 : 0]} onValue={(center_mm) => change({ center_mm })} />
+        <PointField label={labels.center} each={labels.center} unit="mm" value={place.center_mm ?? [0, 0, object === undefined ? 130 : 0]} onValue={(center_mm) => change({ center_mm })} />
       )}
-      <MaybeField label="Size" unit="mm" empty="its own" value={place.size_mm} least={0.001} onValue={(size_mm) => change({ size_mm })} />
+      <MaybeField label={labels.size} unit="mm" empty="its own" value={place.size_mm} least={0.001} onValue={(size_mm) => change({ size_mm })} />
       {turned.some((each) => each !== 0) ? turn : <More what="turn">{turn}</More>}
     </Panel>
   );
@@ -93,7 +94,7 @@ function PlacePanel({ now }: { now: ProjectDocument }) {
 export function Subject({ actions }: { actions: Actions }) {
   const hello = state.hello.value;
   const now = project.value;
-  if (!hello || !now) return <Panel title="Object"><p>Waiting for the server…</p></Panel>;
+  if (!hello || !now) return <Panel title={labels.shape}><p>Waiting for the server…</p></Panel>;
   if (now.hand) return <HandSettings actions={actions} now={now} hand={now.hand} />;
   if (now.path) return <PathPanel actions={actions} now={now} />;
   return <ObjectPanel actions={actions} now={now} primitives={hello.primitives} />;
@@ -111,13 +112,13 @@ export function Properties({ actions }: { actions: Actions }) {
     <>
       {!now.path && <PlacePanel now={now} />}
       <Panel title="Sample and play">
-        {!now.path?.endsWith(".csv") && <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />}
+        {!now.path?.endsWith(".csv") && <NumberField label={labels.points} unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />}
         {!now.path && <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0.000001} onValue={(value) => change({ [pace]: value })} />}
         <Strength now={now} set={change} />
         <Modulation actions={actions} now={now} set={change} />
         <More what="pace, weak points, end, array, board">
           {!now.path && <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />}
-          {!now.path && <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>}
+          {!now.path && <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> {labels.even}</label>}
           <InstrumentFields hello={hello} now={now} set={change} />
         </More>
       </Panel>

@@ -2,6 +2,7 @@
 // Triggers: what starts a part of the pass while the outputs are on.
 import { Choice, MaybeField, NumberField, Panel, PointField } from "./controls";
 import { edit, having, project, type ProjectDocument, type TriggerTable } from "./document";
+import { labels } from "./labels";
 import type { Trigger } from "./link";
 import { type Actions, state } from "./state";
 
@@ -36,7 +37,7 @@ export function Triggers({ now }: { now: ProjectDocument }) {
   };
   const add = (): void => put((all) => [...all, { on: `key:${freeWord(all, "key")}` }]);
   return (
-    <Panel title="Triggers">
+    <Panel title={labels.trigger}>
       {triggers.map((each, i) => {
         const others = triggers.filter((_, k) => k !== i);
         const change = (changes: Partial<Record<keyof TriggerTable, unknown>>): void => put((all) => all.map((old, k) => (k === i ? (Object.fromEntries(Object.entries({ ...old, ...changes }).filter(([, value]) => value !== undefined)) as unknown as TriggerTable) : old)));

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page calls the keys of a design, on its fields and where a failure is about one.
+export const labels = {
+  points: "Focal points", rate_hz: "Passes a second", speed_m_s: "Speed", frequency_hz: "Drawings a second", even: "All points feel alike",
+  am: "Modulation", amplitude: "Amplitude", loops: "Passes in all", array: "Array", board: "For board",
+  shape: "Object", place: "Place", size: "Size", center: "Centre", rotate: "Turn about", keyframe: "Movement", trigger: "Triggers", path: "Path", hand: "Hand",
+};
+
+/** Options and keys whose setting has the field of another. */
+const others: Record<string, keyof typeof labels> = { rate: "rate_hz", speed: "speed_m_s", frequency: "frequency_hz", am_law: "am", magnitude: "amplitude" };
+
+/** The label of a key or an option that a failure names. */
+export function labelOf(name: string): string | undefined {
+  if (name === "project") return "The design";
+  const key = others[name] ?? name;
+  return Object.hasOwn(labels, key) ? labels[key as keyof typeof labels] : undefined;
+}
