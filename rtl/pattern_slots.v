@@ -6,8 +6,8 @@
 // pattern whose slot is full, or whose turn has been, is not written. So what plays is never torn, and never another period's.
 // From i_settle on i_period is that of a frame's first pattern. o_wait holds its words until it is judged; then o_place says that the first
 // word goes to o_address, and o_keeps that the words count at all. i_take: one is taken. o_split: the words end within a pattern.
-// i_go strobes once a carrier period, when that two behind i_count is decided. Two clocks later o_turn says so: o_full whether it has a pattern,
-// o_index which record it is. o_jump comes with i_go: periods have not followed each other, so that what waits is nobody's.
+// i_go strobes once a carrier period, when that two behind i_count is decided. Two clocks later o_turn says so, with i_forget too: o_full whether
+// it has a pattern, o_index which record it is. o_jump comes with i_go: periods have not followed each other, so that what waits is nobody's.
 // i_forget empties all slots; while it lasts, and for what is under way then, patterns are dropped.
 // SLOTS is the core's STREAM; the other parameters are the core's, too.
 `default_nettype none
@@ -124,7 +124,8 @@ module pattern_slots #(
 
     // ---- The slots' bits
 
-    (* ram_style = "distributed" *) reg waits [0:SLOTS-1];
+    // The slot that is written is not the one that is read, but for a pattern that is late or early, whatever its slot's bit is.
+    (* no_rw_check *) reg waits [0:SLOTS-1];
     integer s;
     initial for (s = 0; s < SLOTS; s = s + 1) waits[s] = 1'b0;
     reg  [BITS:0]   sweep_q;  // all are emptied one by one, as long as its upper bit is 0
@@ -144,7 +145,7 @@ module pattern_slots #(
     // ---- The turn of a period
 
     assign o_jump  = i_go && i_count + ONE != decided_q;
-    assign o_turn  = turn_q[1] && !i_forget;
+    assign o_turn  = turn_q[1];
     assign o_full  = full_q && swept_q;
     assign o_index = i_first + {{(16-BITS){1'b0}}, turn_slot};
     always @(posedge clk) begin

@@ -57,8 +57,9 @@ module pattern_stream #(
 );
     reg  [15:0] first_q, hold_q, missed_q;
     reg  [3:0]  slot_bits_q;
-    wire        fits, jump, turn, full;
+    wire        fits, jump, decided, full;
     wire        forget = i_forget || i_set || jump;
+    wire        turn = decided && !i_forget && !i_set;  // a jump, which takes long to find, comes with no turn
     wire [15:0] index;
     assign o_usable = fits && o_fade != 16'd0;
 
@@ -85,7 +86,7 @@ module pattern_stream #(
         .i_foci_base(i_foci_base), .i_foci_count(i_foci_count), .i_foci_last(i_foci_last), .o_usable(fits),
         .i_settle(i_settle), .i_period(i_period), .i_take(i_take), .i_close(i_close), .o_wait(o_wait), .o_place(o_place), .o_address(o_address),
         .o_keeps(o_keeps), .o_split(o_split), .o_late(o_late), .o_early(o_early), .o_repeated(o_repeated),
-        .i_go(i_go), .i_count(i_count), .o_jump(jump), .o_turn(turn), .o_full(full), .o_index(index));
+        .i_go(i_go), .i_count(i_count), .o_jump(jump), .o_turn(decided), .o_full(full), .o_index(index));
 
     wire ends = turn && !full && o_streams && missed_q == hold_q;
     assign o_begins = turn && full && !o_streams;
@@ -101,5 +102,11 @@ module pattern_stream #(
         if (turn && full) o_index <= index;
         if (turn) missed_q <= full ? 16'd0 : missed_q + 16'd1;
     end
+
+`ifdef FORMAL
+    always @(posedge clk) if (decided) begin
+        assert (!i_go);
+    end
+`endif
 endmodule
 `default_nettype wire

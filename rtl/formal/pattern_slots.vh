@@ -15,7 +15,8 @@ reg [PERIOD_BITS-1:0] f_period_q;
 reg       f_open_q, f_past_q;  // within a frame
 reg [2:0] f_since_q;           // clocks since the last i_go, at most 7
 reg [2:0] f_gos_q;             // periods since the present pattern was judged
-initial {f_open_q, f_past_q, f_since_q, f_gos_q} = 0;
+reg       f_meets_q;           // the bit that is here was read while it was written
+initial {f_open_q, f_past_q, f_since_q, f_gos_q, f_meets_q} = 0;
 wire f_writes = f_open_q && !o_wait && keeps_q;
 wire [PERIOD_BITS-1:0] f_ahead  = f_period_q - decided_q;  // of the followed slot's pattern
 wire [PERIOD_BITS-1:0] f_judged = ahead + {{(PERIOD_BITS-3){1'b0}}, f_gos_q};
@@ -28,6 +29,7 @@ always @(posedge clk) begin
     f_open_q  <= i_settle || (f_open_q && !i_close);
     f_since_q <= i_go ? 3'd0 : f_since_q == 3'd7 ? f_since_q : f_since_q + 3'd1;
     f_gos_q   <= judges ? {2'd0, i_go} : f_gos_q + {2'd0, i_go};
+    f_meets_q <= (turn_q[0] ? turn_slot : slot) == (sweeps ? sweep_q[BITS-1:0] : fills ? slot : turn_slot) && (sweeps || fills || clears_q);
     if (fills && slot == f_slot) f_period_q <= period_q;
     assume (!i_take || (f_open_q && !o_wait));
     assume (!i_settle || !i_take);
@@ -42,6 +44,8 @@ end
 always @(posedge clk) begin
     // What plays is the pattern of that period.
     if (o_turn && o_full && turn_slot == f_slot) assert (f_period_q == decided_q);
+    // A memory need not say what is read while it is written.
+    if (f_meets_q) assert (!(o_turn && swept_q) && !(judges && !i_forget && !late && !early));
     // What waits is for one of the periods that are still to come, each in its own slot, or is just having its turn.
     if (waits[f_slot] && !sweeps) begin
         assert ((f_ahead & ~mask) == NONE);
