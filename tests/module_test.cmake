@@ -21,7 +21,7 @@ function(haptogram_module_test name module)
     target_compile_options(module_${name} PRIVATE -fno-sanitize=all -O1 -g0)
   endif()
   verilate(module_${name} SOURCES ${ARG_SOURCES} TOP_MODULE ${module} PREFIX V${module}
-    INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${name} OPT_FAST -O2 OPT_SLOW -O1
+    INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net ${PROJECT_SOURCE_DIR}/rtl/sdram DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${name} OPT_FAST -O2 OPT_SLOW -O1
     VERILATOR_ARGS ${checks} -O3 --x-assign fast --x-initial unique ${generics})
   list(TRANSFORM ARG_CASES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
   add_executable(test_module_${name} ${sources})

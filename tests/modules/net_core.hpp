@@ -13,6 +13,7 @@
 #include "haptogram/format/interface.hpp"
 #include "haptogram/link/frame.hpp"
 #include "net_frames.hpp"
+#include "sdram_chip.hpp"
 
 namespace net {
 
@@ -22,6 +23,7 @@ namespace link = haptogram::link;
 constexpr long half_eth_ps = 4000, half_clk_ps = 10003;
 constexpr unsigned channels = PARAMETER_CHANNELS, records = PARAMETER_RECORDS;
 constexpr unsigned record_words = channels + haptogram::interface::record_header_words;
+constexpr bool has_sdram = PARAMETER_SDRAM != 0;
 
 /// The board, its host, and the time between them in nanoseconds.
 class Network {
@@ -36,6 +38,7 @@ public:
 
     Network() {
         bench->eth_clk = bench->i_dv = bench->i_data = 0;
+        if (has_sdram) chip_.scramble(static_cast<std::uint32_t>(bench.random()));
         run(2000);
         bench->rst = 0;
         listens_ = true;  // what was sent before was what its registers held at power-up
@@ -109,12 +112,18 @@ private:
     }
     void core_edge() {
         next_clk_ps_ += half_clk_ps;
-        if (!bench->clk) {
+        const bool rises = !bench->clk;
+        if (rises) {
             if (bench->o_cycle_start && bench->o_enabled) played.push_back(bench->o_index);
             before_clock();
+        } else {
+            bench->i_sdram_data = chip_.word();
         }
-        bench->clk = !bench->clk;
+        bench->clk = rises;
         bench->eval();
+        if (has_sdram && rises)
+            chip_.clock({bench->o_sdram_command, bench->o_sdram_bank, bench->o_sdram_address, bench->o_sdram_data,
+                         bench->o_sdram_drive != 0});
     }
     void heard(const Bytes& sent) {
         if (listens_) take(sent);
@@ -126,6 +135,7 @@ private:
             decoder_.feed(cut(body, 42, 14 + at(body, 16)), replies);
     }
 
+    haptogram::sim::SdramChip chip_{PARAMETER_SDRAM};
     long time_ps_ = 0, next_clk_ps_ = 5003, gap_ = 0, active_ps_ = 0;
     std::deque<std::uint8_t> line_;
     std::deque<std::size_t> ends_;
