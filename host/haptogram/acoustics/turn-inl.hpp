@@ -9,25 +9,11 @@
 
 #include <hwy/highway.h>
 
+#include "haptogram/acoustics/root-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace haptogram::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-
-/// 1/√x, with an error of a few units in the last place.
-HWY_INLINE V inverse_root(V x) {
-    const D d;
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
-    const V guess =
-        hn::ApproximateReciprocalSqrt(x);  // at least 12 correct bits; a step of Newton's method doubles them
-    const V slack = hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 0.5F));
-    return hn::MulAdd(guess, slack, guess);
-#else
-    return hn::Div(hn::Set(d, 1.0F), hn::Sqrt(x));
-#endif
-}
 
 /// Several vectors that are computed in step, so that none has to wait for its own last result. Functions below take
 /// them as they take one vector; what is the same for all of them stays one.

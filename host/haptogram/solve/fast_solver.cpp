@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptogram/acoustics/root-inl.hpp"
+
 #ifndef HAPTOGRAM_SOLVE_FAST_SOLVER_ONCE
 #define HAPTOGRAM_SOLVE_FAST_SOLVER_ONCE
 namespace haptogram {
@@ -42,23 +44,8 @@ namespace haptogram::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-
 /// Vectors of elements that are computed in step, so that one need not wait for its last result. As many as registers.
 constexpr std::size_t in_step = HWY_TARGET <= HWY_AVX3 ? 4 : 2;
-
-/// 1/√x, with an error of a few units in the last place.
-HWY_INLINE V inverse_root(V x) {
-    const D d;
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
-    const V guess = hn::ApproximateReciprocalSqrt(x);
-    const V slack = hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 0.5F));
-    return hn::MulAdd(guess, slack, guess);
-#else
-    return hn::Div(hn::Set(d, 1.0F), hn::Sqrt(x));
-#endif
-}
 
 /// 1/|re + j·im|, and a large number where that is 0: its product with 0 is 0.
 HWY_INLINE V inverse_size(V re, V im) {

@@ -25,6 +25,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "haptogram/acoustics/root-inl.hpp"
+
 #ifndef HAPTOGRAM_SOLVE_FOCAL_LAW_ONCE
 #define HAPTOGRAM_SOLVE_FOCAL_LAW_ONCE
 namespace haptogram {
@@ -71,23 +73,17 @@ namespace haptogram::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-
+// The relative error of near_inverse_root().
 #if HWY_TARGET <= HWY_AVX3
-constexpr double root_error = 0x1p-14;  ///< of inverse_root(), relative: what the instruction set promises
-HWY_INLINE V inverse_root(V x) { return hn::ApproximateReciprocalSqrt(x); }
-#elif HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+constexpr double root_error = 0x1p-14;  ///< what the instruction set promises
+HWY_INLINE V near_inverse_root(V x) { return hn::ApproximateReciprocalSqrt(x); }
+#else
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
 constexpr double root_error = 0x1p-20;  ///< 3/2 of the square of the 1.5·2⁻¹² that are promised, and rounding
-HWY_INLINE V inverse_root(V x) {
-    const D d;
-    const V guess = hn::ApproximateReciprocalSqrt(x);
-    const V slack = hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 0.5F));
-    return hn::MulAdd(guess, slack, guess);
-}
 #else
 constexpr double root_error = 0x1p-22;  ///< two roundings
-HWY_INLINE V inverse_root(V x) { return hn::Div(hn::Set(D(), 1.0F), hn::Sqrt(x)); }
+#endif
+HWY_INLINE V near_inverse_root(V x) { return inverse_root(x); }
 #endif
 
 /// What the elements' delays for one focus have in common, for a block of foci. With r₀ = farthest − a whole number of
@@ -239,7 +235,7 @@ struct Delays {
         half_q = hn::MulAdd(minus_y, hn::Load(d, y), half_q);
         half_q = hn::MulAdd(minus_x, hn::Load(d, x), half_q);
         const V square = hn::MulAdd(half_q, hn::Set(d, 2.0F), r0_square);
-        const V inverse = inverse_root(square);
+        const V inverse = near_inverse_root(square);
         const V w = hn::MulSub(square, inverse, r0);
         const V half_residual = hn::NegMulAdd(w, hn::MulAdd(w, hn::Set(d, 0.5F), r0), half_q);
         return hn::MulAdd(half_residual, inverse, w);
