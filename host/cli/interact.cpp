@@ -101,8 +101,10 @@ void add_interact(CLI::App& app, Action& action) {
         ->check(not_negative())
         ->capture_default_str();
     sub->add_option("--palm", options->palm, "The palm's centre from the marker: x,y,z mm")->capture_default_str();
-    sub->add_option("--palm-radius", options->palm_radius_mm, "mm")->check(positive())->capture_default_str();
-    sub->add_option("--ball-height", options->ball_height_mm, "Above the palm, from which the ball falls, mm")
+    sub->add_option("--palm-radius", options->palm_radius_mm, "Radius of the palm, mm")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--ball-height", options->ball_height_mm, "Height above the palm from which the ball falls, mm")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--ball-contact", options->ball_contact_ms, "Time that a bounce takes, ms")
@@ -113,7 +115,9 @@ void add_interact(CLI::App& app, Action& action) {
     sub->add_option("--drop", options->drop_ms, "Time that a drop is felt, ms")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--creature", options->creature_mm_s, "Its speed, mm/s")->check(positive())->capture_default_str();
+    sub->add_option("--creature", options->creature_mm_s, "Speed of the creature, mm/s")
+        ->check(positive())
+        ->capture_default_str();
     sub->add_option("--seed", one.seed, "Seed of rain, creature and noise")
         ->check(whole(0, UINT64_MAX))
         ->capture_default_str();

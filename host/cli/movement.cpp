@@ -85,10 +85,10 @@ void add_movement(CLI::App& app, Action& action) {
         ->capture_default_str();
     MovementOptions& m = options->movement_options;
     sub->add_option("--turns", m.turns, "Turns of the spiral")->check(positive())->capture_default_str();
-    sub->add_option("--speed", m.speed_m_s, "Along line, circle and spiral, m/s")
+    sub->add_option("--speed", m.speed_m_s, "Speed along line, circle and spiral, m/s")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--spacing", options->spacing_mm, "At most, from one place to the next, mm")
+    sub->add_option("--spacing", options->spacing_mm, "Largest distance from one place to the next, mm")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--hop", options->hop_ms, "With random: time at each place, ms")
