@@ -27,6 +27,12 @@ RECORD_HEADER_WORDS = configurations.load()["record"]["header_words"]
 AUTOSTART = sum(1 << f["low"] for f in configurations.load()["sequence_header"]["fields"] if f["name"] == "autostart")
 BLOCK_WORDS = 256  # of icebram
 NETWORK_MHZ = 125  # of a gigabit PHY
+HEADING = """<!-- SPDX-License-Identifier: Apache-2.0 -->
+# The last builds, by `make bitstreams`
+
+A row is of its board's last build, maybe of older sources; boards without one were never placed.
+
+"""
 
 
 class Failed(Exception):
@@ -318,7 +324,7 @@ def main():
         print(table(results), end="")
     if options.table:
         reports = [json.loads(path.read_text()) for path in sorted(options.output.glob("*/report.json"))]
-        options.table.write_text("<!-- SPDX-License-Identifier: Apache-2.0 -->\n# The last builds, by `make bitstreams`\n\n" + table(reports))
+        options.table.write_text(HEADING + table(reports))
     return 1 if failed else 0
 
 
