@@ -95,7 +95,10 @@ void path(const std::string& content) {
 }
 
 void path_csv(const std::string& content) { require_sound(path_from_csv(content, "fuzz", carrier_hz)); }
-void adaptics(const std::string& content) { require_sound(path_from_adaptics(content, "fuzz", carrier_hz, 20)); }
+void adaptics(const std::string& content) {
+    require_sound(path_from_adaptics(content, "fuzz", carrier_hz, 20));
+    (void)frames_from_adaptics(content, "fuzz");
+}
 void wav(const std::string& content) { static_cast<void>(wave_from_wav(content, "fuzz")); }
 void leap(const std::string& content) { static_cast<void>(recording_from_leap(content, "fuzz")); }
 void leap_message(const std::string& content) { static_cast<void>(frame_from_leap_message(content, "fuzz")); }

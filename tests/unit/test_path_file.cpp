@@ -8,6 +8,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/adaptics.hpp"
 #include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/adaptics_project.hpp"
 #include "haptogram/verbs/compile.hpp"
 
 using namespace haptogram;
@@ -182,6 +183,62 @@ TEST_CASE("path file: brushes of an AdapTics pattern turn and pulsate around the
             (1.0 - 0.5 * std::min(1.0, ms / 20.0)) * (0.5 + 0.5 * std::cos(2.0 * std::numbers::pi * 0.05 * ms));
         REQUIRE(on_line.amplitude == Approx(level).margin(1e-12));
     }
+}
+
+TEST_CASE("path file: key frames of an AdapTics pattern play what the pattern is as a path", "[path_file]") {
+    const std::string beats =
+        R"({"name": "circle", "params": {"radius": {"type": "f64", "value": 8}, "am_freq": {"type": "f64", "value": 50}}})";
+    const std::string& brush = GENERATE_REF(still, ring, beats);
+    const std::string text = pattern(brush, "90");
+    const AdapticsFrames found = frames_from_adaptics(text, "p.adaptics");
+    REQUIRE(found.frames.size() == 3);
+    REQUIRE(found.diameter_m.has_value() == (&brush != &still));
+    // 16 places of the circle, each for 25 periods: a hundred circles a second.
+    Path pass;
+    for (int i = 0; i < 16; ++i) {
+        const double turns = 2.0 * std::numbers::pi * (i + 0.5) / 16.0, radius = 0.5 * found.diameter_m.value_or(0.0);
+        pass.steps.push_back({{{found.centre + radius * Vec3{std::cos(turns), std::sin(turns), 0.0}, 1.0}}, 25});
+    }
+    const Path moved = moved_by(found.frames, pass, found.centre, carrier_hz, 1000);
+    REQUIRE(moved.periods() == 1200);
+    const Path path = path_from_adaptics(text, "p.adaptics", carrier_hz, 48);
+    std::uint64_t now = 0;
+    std::size_t at = 0;
+    for (const PathStep& step : path.steps)
+        for (const std::uint64_t end = now + step.periods; now < end; now += moved.steps.at(at++).periods) {
+            REQUIRE(moved.steps.at(at).foci.size() == step.foci.size());
+            if (step.foci.empty()) continue;
+            REQUIRE(distance(moved.steps.at(at).foci[0].position, step.foci[0].position) < 1e-12);
+            REQUIRE(moved.steps.at(at).foci[0].amplitude == Approx(step.foci[0].amplitude).margin(1e-12));
+        }
+    REQUIRE(at == 48);
+}
+
+TEST_CASE("path file: an AdapTics pattern as a project, or why its key frames are none of a shape", "[path_file]") {
+    const Project project = project_from_adaptics(pattern(ring, "90"), "p");
+    CHECK(project.shapes.at(0).primitive.kind == "circle");
+    CHECK(project.pace.frequency_hz == 100.0);
+    CHECK(project.key_frames.at(1).amplitude == 0.5);
+    CHECK(distance(project.key_frames.at(2).move, from_mm(0, 20, 0)) < 1e-12);
+    CHECK(project_from_toml(to_toml(project), "again").key_frames == project.key_frames);
+    const Compiled compiled = compile(project, "p");
+    CHECK(static_cast<double>(compiled.path.periods()) == 1200.0);
+    CHECK(compile(project_from_adaptics(pattern(still), "p"), "p").path.steps.size() == 30);
+    const auto refuses = [](std::string text, const std::string& from, const std::string& to,
+                            const std::string& words) {
+        CAPTURE(words);
+        for (std::size_t at = text.find(from); !from.empty() && at != std::string::npos;
+             at = text.find(from, at + to.size()))
+            text.replace(at, from.size(), to);
+        REQUIRE_THROWS_WITH(project_from_adaptics(text, "p.adaptics"), Contains("p.adaptics") && Contains(words));
+    };
+    refuses(pattern(line), "", "", "its brush is a line");
+    refuses(pattern(ring), "\"time\": 30", "\"time\": 3000", "6 points each are more than the 400 steps");
+    // The strength falls evenly while the place waits for its step.
+    const std::string coords = R"("coords": {"x": -10, "y": 0, "z": 0}, "transition": {"name": "linear")";
+    refuses(pattern(still), coords, R"("coords": {"x": -10, "y": 0, "z": 0}, "transition": {"name": "step")",
+            "from 0 ms on one thing changes evenly and another in a step");
+    refuses("{\"$DATA_FORMAT\": 1}", "", "", "$DATA_FORMAT");
 }
 
 TEST_CASE("path file: the same path by hand in two formats gives the same pulses", "[path_file]") {

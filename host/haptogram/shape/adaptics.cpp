@@ -204,9 +204,11 @@ private:
 };
 
 /// The two neighbours of a time and how far it is from the first to the second; the same one twice at either end.
+/// @param after  what is around this time goes on until `time`: of a step the value that it ends, not that it begins
 template <class Value>
-std::tuple<Value, Value, double> around(const std::vector<Keyed<Value>>& keys, double time, const Value& before) {
-    const auto next = std::upper_bound(keys.begin(), keys.end(), time,
+std::tuple<Value, Value, double> around(const std::vector<Keyed<Value>>& keys, double after, double time,
+                                        const Value& before) {
+    const auto next = std::upper_bound(keys.begin(), keys.end(), after,
                                        [](double t, const Keyed<Value>& key) { return t < key.time_ms; });
     if (next == keys.begin()) return {before, before, 0.0};
     const Keyed<Value>& last = *(next - 1);
@@ -226,19 +228,38 @@ Vec3 turned(Vec3 p, double degrees) {
     return {p.x * std::cos(angle) - p.y * std::sin(angle), p.x * std::sin(angle) + p.y * std::cos(angle), p.z};
 }
 
+/// What key frames say of a moment.
+struct Moment {
+    Vec3 place;  ///< mm, where the pattern's transform has brought it
+    Brush brush;
+    double intensity = 0.0;
+};
+
+/// @param after  as around() has it
+Moment moment_of(const Keyframes& pattern, double after_ms, double time_ms) {
+    const auto [place, next_place, place_part] = around(pattern.places, after_ms, time_ms, Vec3{});
+    const Vec3 at = place + place_part * (next_place - place);
+    const auto [a, b, brush_part] = around(pattern.brushes, after_ms, time_ms, Brush{});
+    const auto [from, to, part] = around(pattern.intensities, after_ms, time_ms, 1.0);
+    return {turned({at.x * pattern.scale.x, at.y * pattern.scale.y, at.z * pattern.scale.z}, pattern.turn_deg) +
+                pattern.translate,
+            blend(a, b, brush_part), pattern.intensity_factor * (from + part * (to - from))};
+}
+
+bool same(double a, double b) { return std::abs(a - b) <= 1e-9 * std::max({1.0, std::abs(a), std::abs(b)}); }
+bool same(const Moment& a, const Moment& b) {
+    return same(a.place.x, b.place.x) && same(a.place.y, b.place.y) && same(a.place.z, b.place.z) &&
+           same(a.brush.half_x_mm, b.brush.half_x_mm) && same(a.intensity, b.intensity);
+}
+
 /// @param played_s  since the pattern began, in real time: brushes turn and pulsate in it, whatever the speed is
 Focus focus_at(const Keyframes& pattern, double pattern_ms, double played_s) {
-    const auto [place, next_place, place_part] = around(pattern.places, pattern_ms, Vec3{});
-    Vec3 at = place + place_part * (next_place - place);
-    at = turned({at.x * pattern.scale.x, at.y * pattern.scale.y, at.z * pattern.scale.z}, pattern.turn_deg) +
-         pattern.translate;
-    const auto [a, b, brush_part] = around(pattern.brushes, pattern_ms, Brush{});
-    const Brush brush = blend(a, b, brush_part);
+    const auto [place, brush, intensity] = moment_of(pattern, pattern_ms, pattern_ms);
     const double turns = 2.0 * std::numbers::pi * adaptics_brush_hz * played_s;
-    at = at + turned({brush.half_x_mm * std::cos(turns), brush.half_y_mm * std::sin(turns), 0.0}, brush.turn_deg);
-    const auto [from, to, part] = around(pattern.intensities, pattern_ms, 1.0);
+    const Vec3 at =
+        place + turned({brush.half_x_mm * std::cos(turns), brush.half_y_mm * std::sin(turns), 0.0}, brush.turn_deg);
     const double pulsation = 0.5 + 0.5 * std::cos(2.0 * std::numbers::pi * brush.am_hz * played_s);
-    return {from_mm(at.x, at.y, at.z), pattern.intensity_factor * (from + part * (to - from)) * pulsation};
+    return {from_mm(at.x, at.y, at.z), intensity * pulsation};
 }
 
 }  // namespace
@@ -272,6 +293,56 @@ Path path_from_adaptics(std::string_view text, const std::string& where, double 
             stretches.push_back({foci, periods});
     }
     return path_of(stretches);
+}
+
+AdapticsFrames frames_from_adaptics(std::string_view text, const std::string& where) {
+    const nlohmann::ordered_json document = parse_json(text, where);
+    const JsonMember root(document, where);
+    const Keyframes pattern = PatternReader(root).read();
+    const auto cannot = [&](const std::string& why) {
+        return bad_input(where, fmt::format("key frames of a shape cannot say it: {}", why));
+    };
+    std::vector<double> times_ms;
+    for (const auto& [time_ms, kind] : pattern.frames)
+        if (times_ms.empty() || time_ms > times_ms.back()) times_ms.push_back(time_ms);
+    std::vector<Moment> moments;
+    double widest_mm = 0.0, narrowest_mm = largest;
+    for (const double time_ms : times_ms) {
+        const Moment& now = moments.emplace_back(moment_of(pattern, time_ms, time_ms));
+        if (now.brush.line) throw cannot(fmt::format("at {:g} ms its brush is a line", time_ms));
+        if (now.brush.am_hz != moments.front().brush.am_hz)
+            throw cannot(fmt::format("its strength beats {:g} times a second at first and {:g} times at {:g} ms",
+                                     moments.front().brush.am_hz, now.brush.am_hz, time_ms));
+        if (!(now.intensity >= 0.0 && now.intensity <= 1.0))
+            throw cannot(fmt::format("its intensity is {:g} at {:g} ms, and not from 0 to 1", now.intensity, time_ms));
+        widest_mm = std::max(widest_mm, now.brush.half_x_mm);
+        narrowest_mm = std::min(narrowest_mm, now.brush.half_x_mm);
+    }
+    if (narrowest_mm < 0.0 || (narrowest_mm == 0.0 && widest_mm > 0.0))
+        throw cannot(fmt::format("its brush is a circle of {:g} mm at one time, and none at another", widest_mm));
+    AdapticsFrames found;
+    if (widest_mm > 0.0) found.diameter_m = 2.0 * widest_mm * millimetre;
+    const Vec3 first = moments.front().place;
+    found.centre = from_mm(first.x, first.y, first.z);
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+        const double time_ms = times_ms[i];
+        const auto& [place, brush, intensity] = moments[i];
+        KeyFrame frame;
+        frame.time_s = (time_ms - times_ms.front()) * 1e-3 / pattern.speed;
+        frame.move = from_mm(place.x - first.x, place.y - first.y, place.z - first.z);
+        if (widest_mm > 0.0) frame.scale = brush.half_x_mm / widest_mm;
+        frame.amplitude = intensity;
+        frame.am_hz = brush.am_hz;
+        if (i + 1 < moments.size()) {
+            const Moment end = moment_of(pattern, time_ms, times_ms[i + 1]);
+            const bool stays = same(end, moments[i]);
+            if (!stays && !same(end, moments[i + 1]))
+                throw cannot(fmt::format("from {:g} ms on one thing changes evenly and another in a step", time_ms));
+            if (stays && !same(moments[i], moments[i + 1])) frame.ease = Ease::step;
+        }
+        found.frames.push_back(frame);
+    }
+    return found;
 }
 
 }  // namespace haptogram

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptogram/format/path.hpp"
+#include "haptogram/shape/key_frames.hpp"
 
 namespace haptogram {
 
@@ -20,6 +23,18 @@ namespace haptogram {
 /// have: a jump whose condition holds, a random intensity, a formula of parameters
 [[nodiscard]] Path path_from_adaptics(std::string_view text, const std::string& where, double carrier_hz,
                                       std::size_t samples);
+
+/// A pattern's key frames as those of a shape that moves.
+struct AdapticsFrames {
+    std::optional<double> diameter_m{};  ///< of the circle that its brush draws, at its widest; none: it is a point
+    Vec3 centre{};                       ///< of the shape at the first key frame, metres
+    std::vector<KeyFrame> frames{};
+};
+
+/// @throws Error{bad_input} as path_from_adaptics(), and that says why, for what a shape's key frames cannot say: a
+/// line as a brush, a circle that becomes a point, a changing am_freq, and steps of one thing while another changes
+/// evenly
+[[nodiscard]] AdapticsFrames frames_from_adaptics(std::string_view text, const std::string& where);
 
 /// How often a brush is drawn, Hz. Fewer samples a second than twice this do not show its shape.
 inline constexpr double adaptics_brush_hz = 100.0;

@@ -18,6 +18,7 @@
 #include "haptogram/hand/touch.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/shape/primitives.hpp"
+#include "haptogram/verbs/adaptics_project.hpp"
 #include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/findings.hpp"
@@ -59,8 +60,9 @@ void answer_slice(Scenes& scenes, Recipient& page, const SliceMessage& message, 
     });
 }
 
-/// A project file's text as a document, for a page that opens one.
-Answer document_answer(const Scenes& scenes, const std::string& text) {
+/// A project file's text as a document, for a page that opens one; or a pattern's, whose key frames become a project's.
+Answer document_answer(const Scenes& scenes, const std::string& given) {
+    const std::string text = is_adaptics(given) ? to_toml(project_from_adaptics(given, "pattern")) : given;
     const Project project = project_from_toml(text, "project.toml");
     return {.body =
                 to_text({{"document", document_of(text, "project.toml")}, {"files", scenes.needed_files(project)}})};

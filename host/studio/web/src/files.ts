@@ -32,6 +32,8 @@ export class Files {
       const text = await file.text();
       if (isProject(text)) return await this.openParts({ text, files: files.filter((each) => each !== file) }, file.name === projectName ? "project" : stem(file.name));
     }
+    const [first] = files;
+    if (files.length === 1 && first?.name.endsWith(".adaptics") && (await this.takeFrames(first))) return;
     await this.send(files);
     const before = project.value;
     if (!before || files.length === 0) return;
@@ -39,6 +41,22 @@ export class Files {
     const kinds = await Promise.all(files.map(kindOf));
     edit(withFiles(project.peek() ?? before, kinds));
     this.session.ask(); // a file of the same name may have new contents
+  }
+
+  /** A pattern's key frames become the design's, where they are what a shape's can say; else the page tells why not. @return whether they are */
+  private async takeFrames(pattern: File): Promise<boolean> {
+    const { array, board } = project.peek() ?? {};
+    state.whyPath.value = undefined;
+    try {
+      const { document } = await this.link.readProject(await pattern.text());
+      state.chosen.value = undefined;
+      state.keyFrame.value = 0;
+      edit(having(document, { array, board }));
+      return true;
+    } catch (error) {
+      state.whyPath.value = { file: pattern.name, why: (error instanceof Error ? error.message : String(error)).replace(/^pattern: /, "") };
+      return false;
+    }
   }
 
   /** Places that are passed at equal times become the design's path. @return the file's name */

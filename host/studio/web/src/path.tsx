@@ -23,7 +23,7 @@ export function PathPanel({ actions, now }: { actions: Actions; now: ProjectDocu
           <NumberField label="Lasts" unit="s" value={Number(line.seconds.toFixed(3))} step={0.1} least={0.01} most={600} onValue={(seconds) => void actions.last(seconds)} />
         </>
       ) : (
-        <p class="hint">It has places and times of its own.</p>
+        <p class="hint">It has places and times of its own.{state.whyPath.value?.file === now.path && ` It stays a path: ${state.whyPath.value?.why}.`}</p>
       )}
       <div class="buttons">
         <button type="button" onClick={() => actions.draw(true)}>Draw another path</button>

@@ -131,6 +131,8 @@ export const state = {
   smoothed: signal<{ file: string; ms: number; mm: number } | undefined>(undefined),
   /** The document's path, if it was drawn by hand. */
   line: signal<{ file: string; places: Point[]; seconds: number } | undefined>(undefined),
+  /** Why a pattern that was opened is a path, and no shape with key frames. */
+  whyPath: signal<{ file: string; why: string } | undefined>(undefined),
   /** Which key frame is edited. */
   keyFrame: signal(0),
   kept: signal<Kept | undefined>(undefined),
