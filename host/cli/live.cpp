@@ -66,23 +66,24 @@ live::FingerOptions fingers_of(const LiveCommand& command, const ObjectSource& s
     live::FingerOptions options = command.fingers;
     if (!command.low.empty()) options.cloud.low = parse_point_mm("workspace-low", command.low);
     if (!command.high.empty()) options.cloud.high = parse_point_mm("workspace-high", command.high);
+    live::OpenedObjects opened;
+    options.object = opened.told("object", source);
     SceneOptions& scene = options.scene;
-    scene.pose = pose_of(source.centre, source.angles_deg);
+    scene.pose = options.object.pose;
     scene.mass_kg = command.mass_g * 1e-3;
     if (names_mesh(source)) {
         if (scene.mass_kg > 0.0)
             throw bad_argument("mass", "an object that moves is a cube, a sphere or a cylinder; a mesh stays still");
-        const TouchObject object = open_object(source);
+        const TouchObject object = opened.open(source);
         scene.solid = object.solid;
         scene.pose = {};
         const Vec3 extent = object.high - object.low;
         scene.size_m = std::min({extent.x, extent.y, extent.z});
     } else {
         scene.kind = source.name;
-        scene.size_m = source.size_m.value_or(ObjectMeasures{}.size);
-        scene.height_m = source.height_m.value_or(scene.size_m);
+        scene.size_m = options.object.size_m;
+        scene.height_m = options.object.height_m.value_or(scene.size_m);
     }
-    options.middle = source.centre;
     // The floor is what the object stands on when it begins.
     scene.world.low.z = source.centre.z - 0.5 * scene.size_m;
     scene.world.high.z = scene.world.low.z + 0.25;
@@ -249,8 +250,9 @@ void tell_dropped(Report& report, const live::OpenedSource& source, const live::
     for (const live::HandPipe* tracker : source.trackers) tell(tracker->junk(), "lines were no frames");
     for (const auto& cameras : source.depth) tell(cameras->junk(), "shots were torn, and the next one searched for");
     report.add("junk", junk);
-    if (objects != nullptr && objects->junk() > 0)
-        report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing", objects->junk()));
+    if (objects != nullptr && objects->junk().first > 0)
+        report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing; the first: {}",
+                                objects->junk().first, objects->junk().second));
     if (dropped > 0)
         report.tell(fmt::format("scene             {} lines found no room in the pipe and were dropped", dropped));
 }

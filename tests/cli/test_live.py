@@ -254,7 +254,7 @@ def test_the_scene_comes_while_it_happens(tmp_path):
             assert running.poll() is None
             assert running.wait(60) == 0
     assert list(first) == names
-    assert first["scene"] == 1 and first["foci"] and first["contacts_mm"] and len(first["hands"][0]["fingers_mm"]) == 5
+    assert first["scene"] == 2 and first["foci"] and first["contacts_mm"] and len(first["hands"][0]["fingers_mm"]) == 5
     for x, y, z, _ in first["foci"]:
         assert abs(np.linalg.norm([x, y - 40, z - 160]) - 40) < 1  # on the sphere, which the line was cut from
 
@@ -280,9 +280,84 @@ def test_objects_come_move_and_go_by_a_script(tmp_path):
         else:
             assert {int(np.sign(x)) for x in xs} <= wanted[0] and bool(xs.size) == bool(wanted[0]), shot["time_s"]
             assert np.all(abs(abs(xs) - 30) < 16)
-    (tmp_path / "script").write_text('{"centre": [0, 0, 0]}\n')
-    refuse(tmp_path, command, BAD_INPUT, "center_mm")
+    good = '{"center_mm": [0, 0, 0]}\n'
+    for line, needle in (
+        ('{"centre": [0, 0, 0]}', "script:2: .*center_mm"),
+        ('{"time_s": 5000, "size_mm": -1}', "script:2: .*size_mm"),  # whenever it is due
+        ('{"time_s": 9, "name": "other", "object": "bone.stl"}', "script:2: .*bone.stl"),
+        ('{"time_s": 9, "height_mm": 4}', "script:2: .*height_mm of a sphere"),
+        ('{"remove": 1}', "script:2: .*remove must be true or false"),
+        ('{"remove": true, "size_mm": 4}', "script:2: .*size_mm"),
+        ('{"name": "other", "remove": true}', "script:2: .*no other to remove; there are: object"),
+        ('{"time_s": 2}\n{"time_s": 1}', "script:3: .*order of their times"),
+    ):
+        (tmp_path / "script").write_text(good + line + "\n")
+        refuse(tmp_path, command, BAD_INPUT, needle)
+    (tmp_path / "script").write_text('{"remove": false}\n')  # which leaves it where it is
+    succeed(command, cwd=tmp_path)
+    assert any(shot["foci"] for shot in lines(tmp_path / "lines"))
     refuse(tmp_path, [*PRESS, *BOARD, "--scene-in", "script"], USAGE, "scene-in")
+
+
+def placed(told, points):
+    """Points of an object's own frame in the array's, by what the scene tells."""
+    x, z = np.array(told["x"]), np.array(told["z"])
+    return np.array(told["center_mm"]) + points @ np.array([x, np.cross(z, x), z])
+
+
+@pytest.mark.parametrize("algorithm", ["A", "ring"])
+def test_the_scene_tells_objects_as_they_stand(tmp_path, algorithm):
+    """Kind, measures and pose are those of the command line, and of a script's lines when they are due."""
+    words = ["live", "--from", "synthetic:press", "--algorithm", algorithm, "--port", "reference:tile-100-wide", "--seconds", "0.1", "--scene", "s"]
+    turned = [*words, "--object", "cylinder", "--size", "60", "--height", "20", "--center", "1,2,180", "--rotate", "0,90,45"]
+    succeed(turned, cwd=tmp_path)
+    root = np.sqrt(0.5)
+    for shot in lines(tmp_path / "s"):
+        (told,) = shot["objects"]
+        assert (told["name"], told["object"], told["size_mm"], told["height_mm"], told["center_mm"]) == ("object", "cylinder", 60, 20, pytest.approx([1, 2, 180], abs=1e-3))
+        assert told["x"] == pytest.approx([0, 0, -1], abs=1e-6) and told["z"] == pytest.approx([root, root, 0], abs=1e-6)
+
+
+def test_the_scene_tells_a_script_and_a_mesh_that_it_moves(tmp_path):
+    """A mesh that a script turns, scales and moves is told as it is felt: foci lie on its faces as told. Its file is read before, once."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 4)], float)
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    (tmp_path / "block.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces))
+    script = [
+        {"time_s": 0.2, "name": "block", "object": "block.obj", "size_mm": 80, "center_mm": [30, 40, 190], "rotate_deg": [0, 90, 30]},
+        {"time_s": 0.3, "name": "block", "size_mm": 60, "center_mm": [-30, 40, 190], "rotate_deg": [90, 20, 30]},
+        {"time_s": 0.4, "remove": True},
+    ]
+    (tmp_path / "script").write_text("".join(json.dumps(line) + "\n" for line in script))
+    words = ["live", "--from", "synthetic:press", "--object", "sphere", "--size", "20", "--center", "0,40,100", "--algorithm", "A", "--predict", "none"]
+    succeed([*words, "--port", "reference:tile-100-wide", "--seconds", "0.6", "--scene-in", "script", "--scene", "s"], cwd=tmp_path)
+    felt = 0
+    for shot in lines(tmp_path / "s"):
+        time = shot["time_s"]
+        names = [told["name"] for told in shot["objects"]]
+        assert names == (["object"] if time < 0.1999 else ["block", "object"] if time < 0.3999 else ["block"])
+        if names[0] == "object":
+            assert shot["objects"][0]["object"] == "sphere" and not shot["foci"]
+            continue
+        told = shot["objects"][0]
+        assert told["object"] == "block.obj" and told["size_mm"] == (80 if time < 0.2999 else 60) and "height_mm" not in told
+        half = 0.5 * told["size_mm"] * np.array([0.25, 0.5, 1])
+        at = np.array([focus[:3] for focus in shot["foci"]]).reshape(-1, 3)
+        axes = placed({**told, "center_mm": [0, 0, 0]}, np.eye(3))
+        own = (at - told["center_mm"]) @ axes.T
+        outside = np.max(abs(own) - half, axis=1, initial=-np.inf)
+        assert np.all(abs(outside) < 1), (time, outside)
+        felt += len(at) > 0
+    assert felt > 20
+
+
+def test_what_the_array_reaches_is_said_first(tmp_path):
+    words = ["live", "--from", "synthetic:press", "--algorithm", "A", "--port", "reference:tile-100-wide", "--seconds", "0.05", "--size", "40", "--object", "sphere"]
+    said = {place: succeed([*words, "--center", place], cwd=tmp_path).stderr.decode() for place in ("0,0,160", "300,0,40", "0,0,10")}
+    assert re.search(r"object \(sphere\) at \(0, 0, 160\) mm: the array reaches 100 % of its surface, with [\d.e+]+ to [\d.e+]+ Pa", said["0,0,160"])
+    assert "at (300, 0, 40) mm: nothing of it can be felt, the array does not reach it" in said["300,0,40"] and "off the axis" in said["300,0,40"]
+    share = float(re.search(r"reaches (\d+) % of its surface", said["0,0,10"])[1])
+    assert 0 < share < 75  # a quarter of it is below the array, and more is beside its reach
 
 
 def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):

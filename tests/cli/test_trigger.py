@@ -136,7 +136,7 @@ def test_keys_lines_and_hands_start_their_part(board):
         time.sleep(seconds)
 
     def hand(x):
-        return json.dumps({"scene": 1, "hands": [{"palm_mm": [x, 0, 150], "fingers_mm": []}]})
+        return json.dumps({"scene": 2, "hands": [{"palm_mm": [x, 0, 150], "fingers_mm": []}]})
 
     time.sleep(1.0)
     say("a", 0.6)

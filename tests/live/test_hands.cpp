@@ -21,8 +21,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-std::shared_ptr<const TouchObject> sphere(Vec3 centre = {0, 40e-3, 0.16}) {
-    return std::make_shared<const TouchObject>(built_in_object("sphere", {80e-3, 80e-3, centre, {}}));
+std::shared_ptr<const live::ObjectsNow> sphere(Vec3 centre = {0, 40e-3, 0.16}) {
+    const TouchObject object = built_in_object("sphere", {80e-3, 80e-3, centre, {}});
+    return std::make_shared<const live::ObjectsNow>(
+        live::ObjectsNow{object, {object}, {{"object", "sphere", 80e-3, {}, {.origin = centre}}}});
 }
 
 /// An open hand that presses on the sphere, as a tracker of 110 Hz sees it.

@@ -36,7 +36,7 @@ std::string project_with(const std::string& triggers) {
 }
 
 std::string scene(double x, double y, double z) {
-    return R"({"scene": 1, "hands": [{"palm_mm": [0, 0, 400], "fingers_mm": [[], [[300, 0, 0], [)" + std::to_string(x) +
+    return R"({"scene": 2, "hands": [{"palm_mm": [0, 0, 400], "fingers_mm": [[], [[300, 0, 0], [)" + std::to_string(x) +
            ", " + std::to_string(y) + ", " + std::to_string(z) + "]]]}]}";
 }
 
@@ -129,5 +129,5 @@ TEST_CASE("triggers: words fire keys and lines, hands that come into a region fi
     CHECK_THROWS_WITH(lines.fired("b", "in:7"),
                       Contains("in:7") && Contains("found 'b', expected 'a', 'go on' or a scene"));
     CHECK_THROWS_WITH(lines.fired("{", "in:8"), Contains("in:8") && Contains("no scene"));
-    CHECK_THROWS_WITH(lines.fired(R"({"scene": 2, "hands": []})", "in:9"), Contains("version 2"));
+    CHECK_THROWS_WITH(lines.fired(R"({"scene": 3, "hands": []})", "in:9"), Contains("version 3"));
 }

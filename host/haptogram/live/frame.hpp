@@ -45,6 +45,15 @@ public:
     [[nodiscard]] virtual std::optional<Frame> next() = 0;
 };
 
+/// An object as it is at the time of a frame.
+struct FeltObject {
+    std::string name;                  ///< by which lines of a scene move it
+    std::string kind;                  ///< of object_kinds(), or a mesh file
+    double size_m = 0.0;               ///< edge or diameter; of a mesh its largest extent before it was turned
+    std::optional<double> height_m{};  ///< of a cone, a pyramid and a cylinder
+    Pose pose;                         ///< its origin is the middle of the box around it
+};
+
 /// What became of one frame.
 struct ShotReport {
     std::uint64_t number = 0;
@@ -54,7 +63,7 @@ struct ShotReport {
     std::vector<Ellipse> sections;                  ///< of rings, where they were measured
     std::vector<Vec3> centres;                      ///< and where they play, predicted
     std::vector<std::vector<Vec3>> contacts;        ///< lines on the skin that are drawn, predicted
-    Pose object;
+    std::vector<FeltObject> objects;
     double force_n = 0.0;    ///< the sum of the fingers' forces' magnitudes on the object
     double compute_s = 0.0;  ///< processor time from the frame to the path
     /// From the newest frame whose path has gone to the board to its beginning, by what is in the board's FIFO.

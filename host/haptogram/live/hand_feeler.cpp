@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "haptogram/hand/voice.hpp"
+#include "haptogram/verbs/focus_analysis.hpp"
 
 namespace haptogram::live {
 namespace {
@@ -41,6 +44,58 @@ bool keep_felt(const Array& array, std::vector<Voice>& voices, double step_s) {
     return hidden;
 }
 
+/// Places all over the surface of an object that can be seen from outside.
+std::vector<Vec3> surface_places(const TouchObject& object) {
+    constexpr int count = 200;
+    constexpr double on_it_m = 1e-5;
+    const Vec3 middle = 0.5 * (object.low + object.high);
+    const double far = distance(object.low, object.high);
+    std::vector<Vec3> places;
+    for (int k = 0; k < count; ++k) {  // in directions that are spread evenly over a sphere
+        const double z = 1.0 - (2.0 * k + 1.0) / count, turn = k * std::numbers::pi * (3.0 - std::sqrt(5.0));
+        const double around = std::sqrt(1.0 - z * z);
+        const Vec3 way{around * std::cos(turn), around * std::sin(turn), z};
+        for (double at = far; at > -far;) {
+            const double away = object.solid.distance(middle + at * way);
+            if (at == far && away <= 0.0) break;  // a half-space goes on outside of its box
+            if (away < on_it_m) {
+                places.push_back(middle + at * way);
+                break;
+            }
+            at -= away;
+        }
+    }
+    return places;
+}
+
+/// What an array can do on an object's surface.
+std::string reach_of(const Array& array, const FeltObject& told, const TouchObject& object) {
+    std::size_t reached = 0;
+    double least = HUGE_VAL, most = 0.0;
+    std::string why;
+    const std::vector<Vec3> places = surface_places(object);
+    for (const Vec3 place : places) {
+        const std::string beyond = array.unreachable(place);
+        if (!beyond.empty()) {
+            if (why.empty()) why = beyond;
+            continue;
+        }
+        ++reached;
+        const double pressure = reachable_pressure(array, place);
+        least = std::min(least, pressure);
+        most = std::max(most, pressure);
+    }
+    const std::string what =
+        fmt::format("{} ({}) at ({:.0f}, {:.0f}, {:.0f}) mm", told.name, told.kind, told.pose.origin.x / millimetre,
+                    told.pose.origin.y / millimetre, told.pose.origin.z / millimetre);
+    if (reached == 0)
+        return fmt::format("{}: nothing of it can be felt, the array does not reach it, {}", what,
+                           why.empty() ? "for it has no surface" : why);
+    return fmt::format("{}: the array reaches {:.0f} % of its surface, with {:.0f} to {:.0f} Pa of one focus{}", what,
+                       100.0 * static_cast<double>(reached) / static_cast<double>(places.size()), least, most,
+                       why.empty() ? why : fmt::format("; other places are silent, the first {}", why));
+}
+
 }  // namespace
 
 std::size_t most_foci(const HandOptions& options) {
@@ -59,6 +114,16 @@ HandFeeler::HandFeeler(const Array& array, double carrier_hz, Objects objects, c
       options_(options),
       predictor_(options.predict) {
     static_cast<void>(touch(options.algorithm, {}, {}, 0.0, options.touch));  // refuses what makes no sense
+}
+
+std::string HandFeeler::about() const {
+    const std::shared_ptr<const ObjectsNow> objects = objects_(0.0);
+    std::string words;
+    for (std::size_t i = 0; i < objects->told.size(); ++i) {
+        if (i > 0) words += '\n';
+        words += reach_of(array_, objects->told.at(i), objects->parts.at(i));
+    }
+    return words;
 }
 
 /// The hand where it will be when what it feels plays.
@@ -102,10 +167,10 @@ std::optional<Path> HandFeeler::feel(const Frame& frame, ShotReport& report) {
     }
     predictor_.forget_before(frame.time_s - forget_s);
     if (skin.empty()) ++counts_.empty;
-    const std::shared_ptr<const TouchObject> object = objects_(frame.time_s);
-    const Touch made = touch(options_.algorithm, *object, skin, frame.time_s, options_.touch);
+    const std::shared_ptr<const ObjectsNow> objects = objects_(frame.time_s);
+    const Touch made = touch(options_.algorithm, objects->all, skin, frame.time_s, options_.touch);
     report.foci = made.voices.size();
-    report.object.origin = 0.5 * (object->low + object->high);
+    report.objects = objects->told;
     std::vector<std::size_t> touched;
     for (const SkinLine& line : made.lines) {
         std::vector<Vec3>& points = report.contacts.emplace_back();

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/touch.hpp"
@@ -18,6 +19,13 @@ struct HandOptions {
     PredictorOptions predict;
 };
 
+/// What there is to feel at a time.
+struct ObjectsNow {
+    TouchObject all;                 ///< as one
+    std::vector<TouchObject> parts;  ///< each by itself
+    std::vector<FeltObject> told;    ///< each as a scene tells it, in the same order
+};
+
 /// How many foci at a time an algorithm has, at most.
 [[nodiscard]] std::size_t most_foci(const HandOptions& options);
 /// Whether a pass takes seconds, for which no board has enough records.
@@ -27,12 +35,14 @@ struct HandOptions {
 /// reach is silent, and so is skin that faces away from it.
 class HandFeeler final : public Feeler {
 public:
-    using Objects = std::function<std::shared_ptr<const TouchObject>(double time_s)>;
+    using Objects = std::function<std::shared_ptr<const ObjectsNow>(double time_s)>;
     /// @throws Error{bad_argument} as touch() does, and for options of the prediction
     /// @param objects  what there is to feel at the time of a frame
     HandFeeler(const Array& array, double carrier_hz, Objects objects, const HandOptions& options);
     [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;
     [[nodiscard]] ShotCounts counts() const override { return counts_; }
+    /// How much of the surface of each object that there is at first the array reaches, and how strongly.
+    [[nodiscard]] std::string about() const override;
 
 private:
     [[nodiscard]] Hand ahead(Hand hand, double time_s);

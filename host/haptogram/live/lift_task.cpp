@@ -179,7 +179,7 @@ LiftReport lift(const Array& array, const LiftOptions& given, const std::functio
         lowest = std::min(lowest, balance);
         report.energy_made_j = std::max(report.energy_made_j, balance - lowest);
         report.most_force_n = std::max(report.most_force_n, now.force_n);
-        const double lifted = now.object.origin.z - begin.z;
+        const double lifted = rings.scene().object().origin.z - begin.z;
         report.lifted_m = std::max(report.lifted_m, lifted);
         if (lifted < options.lift_m) {
             up_since = -1.0;

@@ -36,13 +36,14 @@ ObjectSource changed(ObjectSource source, const JsonMember& line) {
     return source;
 }
 
-double due_s(const std::string& line, const std::string& where) {
-    const nlohmann::ordered_json document = parse_json(line, where);
-    const auto time = JsonMember(document, where).find("time_s");
-    return time ? time->number(0.0, largest) : 0.0;
-}
-
 bool is_blank(const std::string& line) { return line.find_first_not_of(" \t\r") == std::string::npos; }
+
+template <typename Map>
+std::string names_of(const Map& known) {
+    std::string names;
+    for (const auto& [name, source] : known) names += (names.empty() ? "" : ", ") + name;
+    return names.empty() ? "none" : names;
+}
 
 }  // namespace
 
@@ -72,56 +73,97 @@ TouchObject together(const std::map<std::string, TouchObject>& objects) {
 }
 
 SceneInput::SceneInput(const ObjectSource& first, const std::string& path) {
-    sources_[first_name] = first;
-    objects_[first_name] = open_object(first);
-    all_ = std::make_shared<const TouchObject>(together(objects_));
+    apply({0.0, first_name, first});
     if (!path.empty()) lines_.emplace(path);
-    if (lines_ && lines_->is_file()) static_cast<void>(at(0.0));  // so that what is wrong there is said at once
+    if (lines_ && lines_->is_file()) read_script();
 }
 
-void SceneInput::take(const std::string& text) {
-    const std::string where = lines_->where();
+/// What a line says, once it is known to make sense.
+/// @throws Error{bad_input} naming `where`
+SceneInput::Change SceneInput::read(const std::string& text, const std::string& where, const Sources& known) {
     const nlohmann::ordered_json document = parse_json(text, where);
     const JsonMember line(document, where);
-    for (const auto& [key, value] : line.object().items())
-        if (const auto known = {"time_s", "name", "object", "size_mm", "height_mm", "center_mm", "rotate_deg",
-                                "remove"};
-            std::find(known.begin(), known.end(), key) == known.end())
-            throw bad_input(where, fmt::format("found {}, expected {}", key, fmt::join(known, ", ")));
-    const auto name_given = line.find("name");
-    const std::string name = name_given ? name_given->text() : first_name;
-    if (line.find("remove")) {
-        objects_.erase(name);
-        sources_.erase(name);
-    } else {
-        const auto known = sources_.find(name);
-        if (known == sources_.end() && !line.find("object"))
-            throw bad_input(where, fmt::format("there is no {} yet; say what 'object' it is", name));
-        ObjectSource source = changed(known == sources_.end() ? ObjectSource{} : known->second, line);
-        objects_[name] = open_object(source);
-        sources_[name] = std::move(source);
+    line.only({"time_s", "name", "object", "size_mm", "height_mm", "center_mm", "rotate_deg", "remove"});
+    Change change{0.0, first_name, {}};
+    if (const auto time = line.find("time_s")) change.due_s = time->number(0.0, largest);
+    if (const auto name = line.find("name")) change.name = name->text();
+    const auto before = known.find(change.name);
+    const auto remove = line.find("remove");
+    if (remove && !remove->value().is_boolean()) throw remove->wrong("true or false");
+    if (remove && remove->value().get<bool>()) {
+        line.only({"time_s", "name", "remove"});
+        if (before == known.end())
+            throw bad_input(where,
+                            fmt::format("there is no {} to remove; there are: {}", change.name, names_of(known)));
+        return change;
     }
-    all_ = std::make_shared<const TouchObject>(together(objects_));
+    if (before == known.end() && !line.find("object"))
+        throw bad_input(where, fmt::format("there is no {} yet; say what 'object' it is", change.name));
+    ObjectSource source = changed(before == known.end() ? ObjectSource{} : before->second, line);
+    if (!has_height(source.name)) {
+        if (line.find("height_mm"))
+            throw bad_input(
+                where, fmt::format("found height_mm of a {}; a cone, a pyramid and a cylinder have one", source.name));
+        source.height_m.reset();
+    }
+    try {
+        static_cast<void>(opened_.open(source));
+    } catch (const Error& error) {
+        throw bad_input(where, fmt::format("{}: {}", error.where(), error.message()));
+    }
+    change.source = std::move(source);
+    return change;
 }
 
-std::shared_ptr<const TouchObject> SceneInput::at(double time_s) {
-    while (lines_) {
-        if (!waiting_) waiting_ = lines_->next(std::chrono::milliseconds(0));
-        if (!waiting_) break;
-        if (is_blank(*waiting_)) {
-            waiting_.reset();
-            continue;
-        }
+void SceneInput::read_script() {
+    Sources known = sources_;
+    double last_s = 0.0;
+    while (const std::optional<std::string> text = lines_->next(std::chrono::milliseconds(0))) {
+        if (is_blank(*text)) continue;
+        Change change = read(*text, lines_->where(), known);
+        if (change.due_s < last_s)
+            throw bad_input(lines_->where(),
+                            fmt::format("found time_s {:g} behind a line of {:g}; put the lines in the "
+                                        "order of their times",
+                                        change.due_s, last_s));
+        last_s = change.due_s;
+        if (change.source)
+            known[change.name] = *change.source;
+        else
+            known.erase(change.name);
+        script_.push_back(std::move(change));
+    }
+}
+
+void SceneInput::apply(const Change& change) {
+    if (change.source) {
+        objects_[change.name] = opened_.open(*change.source);
+        sources_[change.name] = *change.source;
+    } else {
+        objects_.erase(change.name);
+        sources_.erase(change.name);
+    }
+    auto now = std::make_shared<ObjectsNow>();
+    now->all = together(objects_);
+    for (const auto& [name, source] : sources_) {
+        now->parts.push_back(objects_.at(name));
+        now->told.push_back(opened_.told(name, source));
+    }
+    now_ = std::move(now);
+}
+
+std::shared_ptr<const ObjectsNow> SceneInput::at(double time_s) {
+    for (; !script_.empty() && script_.front().due_s <= time_s; script_.pop_front()) apply(script_.front());
+    if (!lines_ || lines_->is_file()) return now_;
+    while (const std::optional<std::string> text = lines_->next(std::chrono::milliseconds(0))) {
+        if (is_blank(*text)) continue;
         try {
-            if (lines_->is_file() && due_s(*waiting_, lines_->where()) > time_s) break;
-            take(*std::exchange(waiting_, std::nullopt));
-        } catch (const Error&) {
-            if (lines_->is_file()) throw;
-            waiting_.reset();
-            ++junk_;
+            apply(read(*text, lines_->where(), sources_));
+        } catch (const Error& error) {
+            if (junk_.first++ == 0) junk_.second = error.what();
         }
     }
-    return all_;
+    return now_;
 }
 
 }  // namespace haptogram::live

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "haptogram/base/live_input.hpp"
-#include "haptogram/hand/object.hpp"
-#include "haptogram/verbs/hand_source.hpp"
+#include "haptogram/live/hand_feeler.hpp"
+#include "haptogram/live/opened_objects.hpp"
 
 namespace haptogram::live {
 
@@ -16,23 +19,33 @@ namespace haptogram::live {
 class SceneInput {
 public:
     /// @param path  of the lines; "-" is standard input; empty: there are none
-    /// @throws Error{bad_input} when it or an object's file cannot be opened
+    /// @throws Error{bad_input} when it or an object's file cannot be opened, and naming any line of a script that
+    /// makes no sense, whenever it is due
     SceneInput(const ObjectSource& first, const std::string& path);
-    /// The objects as one.
     /// @param time_s  of the frame; never earlier than the last one
-    /// @throws Error{bad_input} naming a line of a script that makes no sense; those of a pipe are counted
-    [[nodiscard]] std::shared_ptr<const TouchObject> at(double time_s);
-    [[nodiscard]] std::uint64_t junk() const { return junk_; }
+    [[nodiscard]] std::shared_ptr<const ObjectsNow> at(double time_s);
+    /// How many lines of a pipe made no sense, and what is wrong with the first.
+    [[nodiscard]] const std::pair<std::uint64_t, std::string>& junk() const { return junk_; }
 
 private:
-    void take(const std::string& line);
+    /// What becomes of one object.
+    struct Change {
+        double due_s = 0.0;
+        std::string name;
+        std::optional<ObjectSource> source;  ///< none: it goes
+    };
+    using Sources = std::map<std::string, ObjectSource>;
+    [[nodiscard]] Change read(const std::string& text, const std::string& where, const Sources& known);
+    void read_script();
+    void apply(const Change& change);
 
+    OpenedObjects opened_;
+    Sources sources_;
     std::map<std::string, TouchObject> objects_;
-    std::map<std::string, ObjectSource> sources_;
-    std::shared_ptr<const TouchObject> all_;
+    std::shared_ptr<const ObjectsNow> now_;
     std::optional<LiveText> lines_;
-    std::optional<std::string> waiting_;  ///< a line of a script that is not due
-    std::uint64_t junk_ = 0;
+    std::deque<Change> script_;  ///< what is not due yet
+    std::pair<std::uint64_t, std::string> junk_{};
 };
 
 /// Solids and features of several objects as one object.

@@ -77,8 +77,8 @@ std::optional<std::string> ShotRings::give_magnitude(Path& ring) {
 std::string ShotRings::about() const {
     if (options_.ring.motion != FocusMotion::revolving) return {};
     constexpr double step_m = 0.5e-3, highest_m = 0.3;
-    Vec3 top = options_.middle;
-    while (scene_.distance_to(top) < 0.0 && top.z < options_.middle.z + highest_m) top.z += step_m;
+    Vec3 top = options_.object.pose.origin;
+    while (scene_.distance_to(top) < 0.0 && top.z < options_.object.pose.origin.z + highest_m) top.z += step_m;
     return reach_in_words(array_, top, options_.ring.points);
 }
 
@@ -134,6 +134,12 @@ std::optional<Path> ShotRings::ring_of(const SceneFinger& finger, const std::opt
     return ring;
 }
 
+void ShotRings::tell_object(ShotReport& report) const {
+    report.objects = {options_.object};
+    // A mesh stays where it is. Its solid stands in the array's frame, and so the scene knows no pose of it.
+    if (!options_.scene.solid) report.objects.front().pose = scene_.object();
+}
+
 void ShotRings::note_cameras(const DepthShot& shot, ShotReport& report) {
     counts_.without_picture.resize(std::max(counts_.without_picture.size(), shot.pictures.size()));
     bool missing = false;
@@ -148,7 +154,7 @@ void ShotRings::note_cameras(const DepthShot& shot, ShotReport& report) {
 
 std::optional<Path> ShotRings::take(std::span<const DepthCamera> cameras, const DepthShot& shot, ShotReport& report) {
     note_cameras(shot, report);
-    report.object = scene_.object();
+    tell_object(report);
     // When all cameras are gone nothing is known of the fingers: the scene stays as it is, as when a shot is lost.
     report.blind =
         std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
@@ -210,7 +216,7 @@ std::optional<Path> ShotRings::feel(const Frame& frame, ShotReport& report) {
         const std::vector<Vec3> some = cloud_of(hand);
         cloud.insert(cloud.end(), some.begin(), some.end());
     }
-    report.object = scene_.object();
+    tell_object(report);
     return rings_of(cloud, {}, report);
 }
 
@@ -240,7 +246,7 @@ std::optional<Path> ShotRings::rings_of(std::span<const Vec3> cloud, const std::
         report.centres.clear();
     }
     report.foci = rings.size();
-    report.object = scene_.object();
+    tell_object(report);
     last_start_.clear();
     if (rings.empty()) return {};
     ++counts_.with_rings;

@@ -28,9 +28,9 @@ struct FingerOptions {
     SectionOptions section;
     RingOptions ring;
     PredictorOptions predict;
-    SkinOptions skin;        ///< of a tracker's hands
-    double rate_hz = 30.0;   ///< of shots
-    Vec3 middle{0, 0, 0.2};  ///< of the object as it begins
+    SkinOptions skin;                                                         ///< of a tracker's hands
+    double rate_hz = 30.0;                                                    ///< of shots
+    FeltObject object{"object", "cube", 40e-3, {}, {.origin = {0, 0, 0.2}}};  ///< as it begins
     /// How strong a still focus feels by the Multimodal paper's tables (perception/path_magnitude.hpp), which are of
     /// palms and of one focus that rests and is modulated.
     std::optional<double> magnitude;
@@ -68,6 +68,7 @@ private:
     [[nodiscard]] std::optional<Path> rings_of(std::span<const Vec3> cloud, const std::optional<Vec3>& eye,
                                                ShotReport& report);
     [[nodiscard]] std::vector<Vec3> cloud_of(const Hand& hand) const;
+    void tell_object(ShotReport& report) const;
     void note_cameras(const DepthShot& shot, ShotReport& report);
 
     Array array_;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "haptogram/verbs/trigger_table.hpp"
+#include "haptogram/verbs/live_scene.hpp"
 
 namespace haptogram::live {
 namespace {
@@ -59,6 +59,19 @@ Json hands_of(const Frame& frame) {
     return hands;
 }
 
+Json objects_of(const ShotReport& shot) {
+    Json objects = Json::array();
+    for (const FeltObject& object : shot.objects) {
+        Json& one = objects.emplace_back(Json{{"name", object.name}, {"object", object.kind}});
+        one["size_mm"] = 1e3 * object.size_m;
+        if (object.height_m) one["height_mm"] = 1e3 * *object.height_m;
+        one["center_mm"] = in_mm(object.pose.origin);
+        one["x"] = as_list(object.pose.x);
+        one["z"] = as_list(object.pose.z);
+    }
+    return objects;
+}
+
 /// Where the foci go, and how strong each is: x, y, z in mm and the amplitude.
 Json foci_of(const std::optional<Path>& path) {
     Json foci = Json::array();
@@ -90,7 +103,7 @@ Json to_json(const ShotReport& shot, const Frame& frame, const std::optional<Pat
         Json& points = contacts.emplace_back(Json::array());
         for (const Vec3& p : line) points.push_back(in_mm(p));
     }
-    return {{"scene", scene_version},
+    return {{"scene", newest_scene_version},
             {"shot", shot.number},
             {"time_s", shot.time_s},
             {"points", shot.points},
@@ -99,9 +112,7 @@ Json to_json(const ShotReport& shot, const Frame& frame, const std::optional<Pat
             {"sections", sections},
             {"contacts_mm", contacts},
             {"foci", foci_of(path)},
-            {"object_mm", in_mm(shot.object.origin)},
-            {"object_x", as_list(shot.object.x)},
-            {"object_z", as_list(shot.object.z)},
+            {"objects", objects_of(shot)},
             {"force_n", shot.force_n},
             {"compute_ms", 1e3 * shot.compute_s},
             {"latency_ms", shot.latency_s ? Json(1e3 * *shot.latency_s) : Json()},

@@ -11,6 +11,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
+#include "haptogram/verbs/live_scene.hpp"
 
 namespace haptogram {
 namespace {
@@ -172,9 +173,10 @@ std::vector<std::size_t> TriggerLines::fired(std::string_view line, const std::s
     std::vector<std::size_t> numbers;
     if (line.starts_with('{')) try {
             const nlohmann::json scene = nlohmann::json::parse(line);
-            if (scene.at("scene") != scene_version)
-                throw bad_input(where, fmt::format("found a scene of version {}, expected {}", scene.at("scene").dump(),
-                                                   scene_version));
+            const nlohmann::json& version = scene.at("scene");
+            if (!version.is_number_integer() || version < scene_version || version > newest_scene_version)
+                throw bad_input(where, fmt::format("found a scene of version {}, expected {} to {}", version.dump(),
+                                                   scene_version, newest_scene_version));
             for (std::size_t i = 0; i < triggers_.size(); ++i) {
                 if (triggers_[i].on != Trigger::On::region) continue;
                 const bool before = inside_[i];

@@ -203,13 +203,27 @@ export interface LiveHand {
   fingers_mm: Point[][];
 }
 
+/** An object as it stands at the time of a scene. */
+export interface LiveObject {
+  name: string;
+  /** its kind, or its mesh file */
+  object: string;
+  size_mm: number;
+  height_mm?: number;
+  center_mm: Point;
+  /** axes of its own frame */
+  x: Point;
+  z: Point;
+}
+
 /** What a live session sees and plays; host/haptogram/live/README.md has the table. */
 export interface LiveScene {
-  scene: 1;
+  scene: 2;
   shot: number;
   time_s: number;
   fingers: number;
   hands: LiveHand[];
+  objects: LiveObject[];
   contacts_mm: Point[][];
   /** place and amplitude */
   foci: [number, number, number, number][];

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "haptogram/hand/object.hpp"
+#include "haptogram/live/frame.hpp"
+#include "haptogram/verbs/hand_source.hpp"
+
+namespace haptogram::live {
+
+/// Whether a kind of object has a height beside its size.
+[[nodiscard]] bool has_height(std::string_view kind);
+
+/// Opens objects as open_object() does, but reads each mesh file once: where it stands, how it is turned and how large
+/// it is then costs no more than a look at its corners.
+class OpenedObjects {
+public:
+    /// @throws as open_object()
+    [[nodiscard]] TouchObject open(const ObjectSource& source);
+    /// What a scene tells of it.
+    /// @throws as open_object()
+    [[nodiscard]] FeltObject told(const std::string& name, const ObjectSource& source);
+
+private:
+    struct Body;
+    [[nodiscard]] const Body& body_of(const ObjectSource& source);
+
+    std::map<std::pair<std::string, std::string>, std::shared_ptr<const Body>> bodies_;  ///< by file and unit
+};
+
+}  // namespace haptogram::live
