@@ -267,6 +267,12 @@ void add_settings(CLI::App& command, std::vector<std::pair<const Setting*, Setti
             option = command.add_option_function<std::string>(name, keep(one), help);
             if (const auto* names = std::get_if<Choices>(&one.kind))
                 option->check(CLI::IsMember(std::vector<std::string>(names->begin(), names->end())));
+            else if (const auto* form = std::get_if<Form>(&one.kind))
+                option->check(CLI::Validator(
+                    [form](const std::string& text) {
+                        return form->fits(text) ? "" : fmt::format("found '{}', expected {}", text, form->expected);
+                    },
+                    "TEXT"));
         }
         if (const auto standard = default_of(one))
             option->default_str(std::visit([](const auto& value) { return fmt::format("{}", value); }, *standard));

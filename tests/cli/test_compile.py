@@ -303,6 +303,45 @@ def test_an_amplitude_makes_pulses_shorter_and_nothing_else(tmp_path):
     refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "leave one of them out")
 
 
+@pytest.mark.parametrize("fade", ["left:0.5", "right:0.25", "front:0", "back:0.9"])
+@pytest.mark.parametrize("kind", ["--records", "--foci"])
+def test_a_fade_makes_one_side_weaker_by_a_line(fade, kind, tmp_path):
+    """At a part u of the way from the weakest to the strongest side the amplitude is s + (1 - s)·u; pulses are as long as that says."""
+    side, share = fade.split(":")[0], float(fade.split(":")[1])
+    axis, way = {"left": (0, -1), "right": (0, 1), "front": (1, -1), "back": (1, 1)}[side]
+    board = ["--board", "colorlight-5a-75e-v7.1-wide"] if kind == "--foci" else []
+    arguments = ["--shape", "circle", "--diameter", 60, "--points", 24, "--center", "5,-7,140", kind, *board]
+    plain = foci_of(tmp_path, *arguments)
+    faded = manifest_of(tmp_path, *arguments, "--fade", fade)
+    along = way * (plain[:, axis] - (5, -7)[axis]) / 30
+    wanted = share + (1 - share) * (along + 1) / 2
+    played = wanted > 1e-9  # the one point of no amplitude is silence
+    assert np.allclose(foci_mm(faded), plain[played], atol=1e-6)
+    amplitudes = [record.get("amplitude", 1.0) for record in faded["records"]]
+    assert np.allclose(amplitudes, wanted[played], atol=1 / 255 if kind == "--foci" else 1e-6)
+    if kind == "--records":
+        ticks = faded["timer"]["cycle_ticks"]
+        pulses = np.array([record["pulse_length"] for record in Image(tmp_path / "image.hex").records()])
+        assert np.allclose(np.sin(np.pi * pulses / ticks), wanted[played], atol=np.pi / ticks)
+    assert sum(record["dwell_cycles"] for record in faded["records"]) >= 4000 * (len(amplitudes) - 1) / 24
+
+
+def test_a_fade_moves_with_its_shape_and_says_what_it_cannot_be(tmp_path):
+    ring = 'format = "haptogram-project-1"\npoints = 8\nrate_hz = 10\nfade = "right:0.5"\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n'
+    turned = "[[keyframe]]\ntime_s = 0\nrotate_deg = [0, 0, 180]\n[[keyframe]]\ntime_s = 0.1\nrotate_deg = [0, 0, 180]\n"
+    (tmp_path / "ring.toml").write_text(ring + turned)
+    records = manifest_of(tmp_path, "ring.toml")["records"]
+    for record in records:
+        assert abs(record.get("amplitude", 1.0) - (0.75 - record["focus_mm"][0] / 80)) < 1e-6, "the strong side was turned to the left"
+    (tmp_path / "none.toml").write_text(ring.replace("right:0.5", "x:0.5"))
+    refuse(tmp_path, ["compile", "none.toml"], BAD_INPUT, r"none\.toml:4", "fade", "left:0.5")
+    circle = ["compile", "--shape", "circle"]
+    for wrong in ("left", "-x:0.5", "up:0.5", "left:1", "left:-0.1", "left:nan", "left:0.5mm", "left:"):
+        refuse(tmp_path, [*circle, f"--fade={wrong}"], USAGE, "--fade", f"found '{wrong}'", "such as left:0.5")
+    refuse(tmp_path, [*circle, "--fade", "below:0.5"], USAGE, "fade", "no extent along z")
+    refuse(tmp_path, [*circle, "--fade", "left:0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "fade", "leave one of them out")
+
+
 @pytest.mark.parametrize("rate", [7, 10, 30, 33.3, 123.4])
 def test_dwells_add_up_to_one_period_of_the_rate(rate, tmp_path):
     manifest = manifest_of(tmp_path, "--shape", "circle", "--points", "97", "--rate", rate)

@@ -10,7 +10,7 @@ import support
 COMPILE = {
     "--diameter": ["33"], "--length": ["33"], "--height": ["33"], "--sides": ["7"], "--turns": ["5"], "--unit": ["cm"],
     "--points": ["23"], "--seed": ["5"], "--rate": ["31"], "--speed": ["3"], "--frequency": ["31"], "--jump": ["blank"],
-    "--even": [], "--am": ["square:200"], "--amplitude": ["0.5"], "--magnitude": ["2", "--am", "square:200"],
+    "--even": [], "--am": ["square:200"], "--amplitude": ["0.5"], "--magnitude": ["2", "--am", "square:200"], "--fade": ["left:0.5"],
     "--quantise": ["hoshi"], "--foci": [], "--loops": ["3"], "--center": ["0,1,140"], "--size": ["37"],
     "--rotate": ["10,20,30"], "--scale": ["0.9"], "--array": ["tile-7x8"],
 }  # fmt: skip

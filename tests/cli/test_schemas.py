@@ -191,6 +191,7 @@ BROKEN_PROJECTS = {
     "another jump": also(without("rate_hz"), put(7, "speed_m_s"), put("skip", "jump")),
     "an amplitude above 1": put(1.5, "amplitude"),
     "another law": put("loudness", "am_law"),
+    "a fade to no side": put("x:0.5", "fade"),
     "another image": put("pulses", "image"),
     "another grid": put("levels", "quantise"),
     "more loops than a board counts": put(65536, "loops"),

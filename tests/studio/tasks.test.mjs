@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { randomDesign, randomOf } from "./designs.mjs";
-import { boardSays, coloursSeen, drop, folder, hasValue, lookedAt, openPage, run, settled, shapes, startBrowser, startStudio } from "./support.mjs";
+import { boardSays, coloursSeen, drop, folder, hasValue, lookedAt, openPage, run, settled, shapes, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const mostActions = 5;
 
@@ -52,8 +52,15 @@ test("ten tasks, each in at most five actions", async (t) => {
   await settled(page);
   await task("play it", async () => act(find("button.play").click()), async () => boardSays(page, "outputs ON"));
   await task("stop it", async () => act(page.keyboard.press("Escape")), async () => boardSays(page, "outputs off"));
-  await task("make it weaker", async () => act(typed("Amplitude", "60")), async () => settled(page));
-  await task("take that back", async () => act(page.keyboard.press("Control+z")), async () => hasValue(page.getByLabel("Amplitude", { exact: true }), "100"));
+  await task("make it stronger at the left", async () => act(page.getByLabel("Strongest", { exact: true }).selectOption("left")), async () => {
+    await settled(page);
+    const { records } = JSON.parse(String(await takeAway(page, "Manifest")));
+    const x = records.map(({ focus_mm }) => focus_mm[0]);
+    const [left, right] = [Math.min(...x), Math.max(...x)];
+    assert.ok(right - left > 20);
+    for (const [i, { amplitude = 1 }] of records.entries()) assert.ok(Math.abs(amplitude - (1 - (0.5 * (x[i] - left)) / (right - left))) < 0.02, `${amplitude} at ${x[i]} mm`);
+  });
+  await task("take that back", async () => act(page.keyboard.press("Control+z")), async () => hasValue(page.getByLabel("Strongest", { exact: true }), ""));
   await task("mend what is drawn too fast", async () => {
     await act(design("Plus").click());
     await footer("Plus: ");

@@ -22,6 +22,7 @@ even = true
 loops = 3
 am = "sine:200"
 am_law = "radiation"
+fade = "left:0.25"
 
 [place]
 scale = 2

@@ -22,6 +22,7 @@ struct AnotherValue {
     SettingValue operator()(FileOrName) const { return std::string("some.toml"); }
     SettingValue operator()(const Numbers& n) const { return n.least * 3.0; }
     SettingValue operator()(const WholeNumbers& n) const { return n.most - 1; }
+    SettingValue operator()(const Form&) const { return std::string("back:0.25"); }  // of the one there is
     SettingValue operator()(Choices names) const {
         for (const std::string_view name : names)
             if (!standard || *standard != SettingValue(std::string(name))) return std::string(name);
@@ -49,6 +50,7 @@ struct SchemaOf {
     nlohmann::json operator()(const WholeNumbers& n) const {
         return {{"type", "integer"}, {"minimum", n.least}, {"maximum", n.most}};
     }
+    nlohmann::json operator()(const Form& form) const { return {{"type", "string"}, {"pattern", form.pattern}}; }
     nlohmann::json operator()(Choices names) const {
         return {{"enum", std::vector<std::string>(names.begin(), names.end())}};
     }

@@ -267,10 +267,11 @@ Drawing drawing_of(const Project& project, const Shape& shape, const Array& arra
 Path path_in_file(const Project& project, const Array& array, double carrier_hz, std::string& hash) {
     if (!project.shapes.empty())
         throw bad_argument("path", "a path file has its own places; give either shapes or a path");
-    if (project.placement != Placement{} || project.clip || project.pace.speed_m_s || project.pace.frequency_hz)
+    if (project.placement != Placement{} || project.clip || project.fade || project.pace.speed_m_s ||
+        project.pace.frequency_hz)
         throw bad_argument("path",
-                           "a path file has its own places and times; scale, size, rotate, center, clip, speed and "
-                           "frequency are for shapes");
+                           "a path file has its own places and times; scale, size, rotate, center, clip, fade, "
+                           "speed and frequency are for shapes");
     Path path = load_path(project.folder / project.path, carrier_hz, project.points, &hash);
     require_reachable(path, array);
     return path;
@@ -281,10 +282,10 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
 /// @param hash  gets that of the path
 Path path_of_hand(const Project& project, const ProjectInstrument& instrument, double carrier_hz, std::string& hash,
                   std::vector<std::string>& warnings, std::optional<perception::PathMagnitude>& magnitude) {
-    if (!project.shapes.empty() || project.placement != Placement{} || project.clip || project.even)
+    if (!project.shapes.empty() || project.placement != Placement{} || project.clip || project.even || project.fade)
         throw bad_argument("hand",
                            "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
-                           "center, clip and even");
+                           "center, clip, even and fade");
     Rendered rendered = render(project, instrument);
     const std::string text = to_json_text(rendered.path, rendered.carrier_hz);
     hash += sha256(text);
@@ -576,6 +577,12 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
             evened = make_even(stretches, instrument.array);
             path = path_of(stretches);
         }
+    }
+    if (project.fade) {
+        if (project.magnitude)
+            throw bad_argument("fade", "a magnitude makes all foci feel alike; leave one of them out",
+                               {"fade", "magnitude"});
+        apply(*project.fade, bounding_box(shape), path);
     }
     if (!project.key_frames.empty())
         path = with_key_frames(project, path, bounding_box(shape).center(), all, instrument.array, timer.carrier_hz(),

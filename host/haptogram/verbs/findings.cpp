@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <tuple>
 
 namespace haptogram {
 namespace {
@@ -89,11 +91,19 @@ void find_lost_to_bandwidth(const Compiled& compiled, std::vector<Finding>& foun
 ImageAnalysis at_full_strength(const Compiled& compiled, ImageAnalysis analysis) {
     if (compiled.path.modulation.samples.empty()) return analysis;
     const Manifest& manifest = compiled.bundle.manifest;
-    double most = 0.0;
-    for (const RecordMeaning& record : manifest.records) most = std::max(most, record.amplitude);
+    const auto place = [](const RecordMeaning& record) {
+        const Vec3& at = record.foci.front().position;
+        return std::tuple(at.x, at.y, at.z);
+    };
+    std::map<std::tuple<double, double, double>, double> most;  // of each place: some may be weaker than others
+    for (const RecordMeaning& record : manifest.records) {
+        double& so_far = most[place(record)];
+        so_far = std::max(so_far, record.amplitude);
+    }
     std::erase_if(analysis.points, [&](const PointAnalysis& point) {
-        return manifest.records[manifest.place_of(static_cast<std::uint32_t>(point.record)).value()].amplitude <
-               0.99 * most;
+        const RecordMeaning& record =
+            manifest.records[manifest.place_of(static_cast<std::uint32_t>(point.record)).value()];
+        return record.amplitude < 0.99 * most[place(record)];
     });
     return analysis;
 }
@@ -124,6 +134,7 @@ void find_weak(const Compiled& compiled, const ImageAnalysis& analysis, std::vec
 void find_uneven(const Project& project, const Compiled& compiled, const ImageAnalysis& analysis,
                  std::vector<Finding>& found) {
     if (modulated(compiled)) return;  // records of one focus then share its time
+    if (project.fade) return;         // it is to be stronger at one side
     const auto strength = [](const PointAnalysis& p) {
         return p.focus.radiation_pa * static_cast<double>(p.dwell_cycles);
     };

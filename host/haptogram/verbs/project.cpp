@@ -145,6 +145,11 @@ struct ReadSetting {
     std::optional<SettingValue> operator()(const WholeNumbers& n) const {
         return of(section.whole64(key, n.least, n.most));
     }
+    std::optional<SettingValue> operator()(const Form& form) const {
+        const std::optional<std::string> text = section.text(key, form.expected);
+        if (text && !form.fits(*text)) throw section.wrong(*section.find(key), key, form.expected);
+        return of(text);
+    }
     std::optional<SettingValue> operator()(Choices names) const {
         const std::optional<std::string> name = section.text(key, in_words(names));
         if (name && std::ranges::find(names, *name) == names.end())

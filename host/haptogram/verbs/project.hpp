@@ -9,6 +9,7 @@
 
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/shape/draw.hpp"
+#include "haptogram/shape/fade.hpp"
 #include "haptogram/shape/key_frames.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/shape/primitives.hpp"
@@ -51,6 +52,7 @@ struct Project {
     std::string am;                    ///< waveform of the amplitude, as modulation_of() reads it; empty: none
     AmplitudeLaw am_law = AmplitudeLaw::pressure;  ///< what the waveform's values are
     double amplitude = 1.0;  ///< of all that is played, of the most that the array can make there: above 0, at most 1
+    std::optional<Fade> fade{};        ///< weaker towards one side of the shapes, as they were placed
     std::optional<double> magnitude;   ///< how strong each focus feels under that waveform (perception/magnitude.hpp)
     std::string quantise;              ///< device on whose segments pulses lie (segments_of()); empty: none
     std::optional<ImageKind> image;    ///< by default foci, where the board computes them and pulses need not lie on a

@@ -86,6 +86,13 @@ void put_pace(Project& project, const Setting&, const SettingValue& value) {
     project.pace.*member = std::get<double>(value);
 }
 
+std::optional<SettingValue> get_fade(const Project& project, const Setting&) {
+    return project.fade ? std::optional<SettingValue>(to_text(*project.fade)) : std::nullopt;
+}
+void put_fade(Project& project, const Setting&, const SettingValue& value) {
+    project.fade = fade_of(std::get<std::string>(value)).value();  // of the right form
+}
+
 constexpr std::string_view jumps[] = {"hop", "blank"};
 constexpr std::string_view laws[] = {"pressure", "radiation"};
 constexpr std::string_view images[] = {"records", "foci"};
@@ -177,6 +184,15 @@ constexpr Setting of_projects[] = {
                          "which is its square"),
     of<&Project::amplitude>("amplitude", "--amplitude", Numbers{1e-6, 1.0},
                             "Amplitude of all foci, as a fraction of the pressure that the array can make there"),
+    with(
+        {.key = "fade",
+         .option = "--fade",
+         .help = "Strongest at one side of the shapes (left, right, front, back, below or above): left:0.5 is the full "
+                 "amplitude where x is least, half of it where x is most, and evenly between",
+         .kind = Form{[](std::string_view text) { return fade_of(text).has_value(); }, fade_form, fade_pattern},
+         .get = get_fade,
+         .put = put_fade},
+        shapes),
     of<&Project::magnitude>("magnitude", "--magnitude", any_positive,
                             "How strong each focus feels to a palm under --am, from the array's force and the "
                             "Multimodal paper's tables (see haptogram magnitude)"),

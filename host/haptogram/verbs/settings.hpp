@@ -20,6 +20,11 @@ struct Numbers {
 struct WholeNumbers {
     std::uint64_t least, most;
 };
+struct Form {
+    bool (*fits)(std::string_view);
+    std::string_view expected;  ///< in words
+    std::string_view pattern;   ///< the same as a regular expression
+};
 using Choices = std::span<const std::string_view>;
 struct OwnTable {};  ///< a table of the project file, with a reader of its own, or an option of such a table
 
@@ -31,7 +36,7 @@ struct Setting {
     std::string_view key;       ///< in a project file; none: an option of a table that has it alone
     std::string_view option{};  ///< of haptogram compile; none: it has options of its own, or is in files alone
     std::string_view help{};    ///< a sentence without its full stop
-    std::variant<Flag, File, FileOrName, Numbers, WholeNumbers, Choices, OwnTable> kind = OwnTable{};
+    std::variant<Flag, File, FileOrName, Numbers, WholeNumbers, Form, Choices, OwnTable> kind = OwnTable{};
     std::string_view one_of{};  ///< what it says, when another setting can say it instead: a project has one of them
     bool (*applies)(const Project&) = nullptr;  ///< whether it has an effect; none: it always has
     std::string_view subject{};                 ///< what it is of, in words

@@ -80,6 +80,8 @@ export interface ProjectDocument {
   loops?: number;
   /** of the most, above 0 and at most 1 */
   amplitude?: number;
+  /** the strongest side and the share of the amplitude at the other, such as "left:0.5" */
+  fade?: string;
   place?: Place;
   shape?: ShapeEntry[];
   /** between which the shapes move */

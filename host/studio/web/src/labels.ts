@@ -2,7 +2,7 @@
 // What the page calls the keys of a design, on its fields and where a failure is about one.
 export const labels = {
   points: "Focal points", rate_hz: "Passes a second", speed_m_s: "Speed", frequency_hz: "Drawings a second", even: "All points feel alike",
-  am: "Modulation", amplitude: "Amplitude", loops: "Passes in all", array: "Array", board: "For board",
+  am: "Modulation", amplitude: "Amplitude", fade: "Strongest", loops: "Passes in all", array: "Array", board: "For board",
   shape: "Object", place: "Place", size: "Size", center: "Centre", rotate: "Turn about", keyframe: "Movement", trigger: "Triggers", path: "Path", hand: "Hand",
 };
 

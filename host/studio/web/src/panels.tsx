@@ -120,6 +120,7 @@ export function SliceControls({ actions }: WithActions) {
       </div>
       <PointField label="Middle" each="Middle" unit="mm" value={middle.map((each) => Number(each.toFixed(2)))} onValue={(value) => actions.place(orientation, value as Point)} />
       <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <label class="check"><input type="checkbox" checked={state.skin.value} disabled={state.reach.value} onChange={(e) => actions.showSkin(e.currentTarget.checked)} /> On the skin of a hand, too</label>
       <More what="colours, surface, reach, handles">
         <Choice label="Colours" value={colours} choices={colourMaps.map((map) => [map, map])} onValue={(value) => (look.value = { ...look.value, colours: value as ColourMap })} />
         <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Hold the top of the scale</label>

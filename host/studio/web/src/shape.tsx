@@ -3,7 +3,7 @@
 import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./controls";
 import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
 import { HandSettings } from "./hand";
-import { InstrumentFields, Strength } from "./instrument";
+import { InstrumentFields, Strength, Strongest } from "./instrument";
 import { KeyFrames } from "./key_frames";
 import { labels } from "./labels";
 import { Modulation } from "./modulation";
@@ -115,6 +115,7 @@ export function Properties({ actions }: { actions: Actions }) {
         {!now.path?.endsWith(".csv") && <NumberField label={labels.points} unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />}
         {!now.path && <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0.000001} onValue={(value) => change({ [pace]: value })} />}
         <Strength now={now} set={change} />
+        {!now.path && <Strongest now={now} set={change} />}
         <Modulation actions={actions} now={now} set={change} />
         <More what="pace, weak points, end, array, board">
           {!now.path && <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />}
