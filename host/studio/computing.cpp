@@ -101,6 +101,10 @@ void Computing::ask(const std::shared_ptr<Page>& page, const ReachMessage& messa
     slice(page, message.slice.view, [this, page, message] { answer(scenes_, *page, message); });
 }
 
+void Computing::ask(const std::shared_ptr<Page>& page, const SkinMessage& message) {
+    slice(page, message.slice.view, [this, page, message] { answer(scenes_, *page, message); });
+}
+
 void Computing::slice(const std::shared_ptr<Page>& page, std::uint32_t view, std::function<void()> work) {
     slices_.ask(most_views * page->number() + view, std::move(work));
 }

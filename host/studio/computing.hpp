@@ -39,6 +39,7 @@ public:
     void ask(const std::shared_ptr<Page>& page, const PathMessage& message);
     void ask(const std::shared_ptr<Page>& page, const SliceMessage& message);
     void ask(const std::shared_ptr<Page>& page, const ReachMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const SkinMessage& message);
     void ask(const std::shared_ptr<Page>& page, const DrivesMessage& message);
     void ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& message);
     void ask(const std::shared_ptr<Page>& page, const SimulateMessage& message);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, eventually, folder, hasValue, keptPicture, lookedAt, openPage, panel, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, coloursSeen, eventually, folder, hasValue, keptPicture, lookedAt, openPage, panel, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
 async function fill(page, label, value) {
@@ -77,6 +77,37 @@ test("what one focus could have is what the command line maps", async (t) => {
   await field(page, "What one focus could have at each point").uncheck();
   await settled(page);
   await eventually(async () => (await middle()) === played);
+});
+
+test("the field on the skin of a hand is that of the plane in which its palm lies", async (t) => {
+  const { page } = await openProject(t, 'points = 40\nrate_hz = 10\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n');
+  await lookedAt(page);
+  await field(page, "Hold the top of the scale").check();
+  // On the palm, beside the focal points and the tour, which have colours of their own.
+  const places = [[5, 9], [12, 3], [27, 2], [-27, 6], [3, -28], [-8, -12], [-36, -8], [34, -30]];
+  const colours = async () => {
+    const at = await coloursSeen(page);
+    return places.map(([x, y]) => at([x, y, 130])[0]);
+  };
+  const difference = (a, b) => Math.max(...a.map((colour, i) => Math.max(...colour.map((each, k) => Math.abs(each - b[i][k])))));
+  const plane = await colours();
+  assert.ok(difference(plane, plane.map(() => plane[0])) > 60, "the places differ");
+  await fill(page, "Middle z", 40);
+  await settled(page);
+  assert.ok(difference(plane, await colours()) > 60, "another plane has another field");
+  await field(page, "On the skin of a hand, too").check();
+  await eventually(async () => difference(plane, await colours()) < 45, async () => JSON.stringify([plane, await colours()]));
+  assert.equal(await page.getByRole("button", { name: "Hand for scale" }).getAttribute("aria-pressed"), "true");
+  await accessible(page);
+  await keptPicture(page, "skin");
+  // It goes with the object, and with the hand.
+  await fill(page, "Centre z", 150);
+  await settled(page);
+  await eventually(async () => difference(plane, await colours()) > 60);
+  await fill(page, "Centre z", 130);
+  await eventually(async () => difference(plane, await colours()) < 45);
+  await page.getByRole("button", { name: "Hand for scale" }).click();
+  await eventually(async () => difference(plane, await colours()) > 60);
 });
 
 test("the timeline runs in slow motion, and a mark holds it", async (t) => {

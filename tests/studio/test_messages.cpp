@@ -50,6 +50,15 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(reach.slice.slice.height == 49);
     CHECK(reach.slice.record == 0);
     CHECK(reach.slice.view == 3);
+    const auto skin = std::get<SkinMessage>(
+        read_message(R"({"t":"skin","n":9,"scene":"abc","points":[1,2,130,-4.5,0,131],"record":2,"view":3})"));
+    CHECK(skin.slice.n == 9);
+    CHECK(skin.slice.record == 2);
+    CHECK(skin.slice.view == 3);
+    CHECK(skin.slice.slice.width == 2);
+    CHECK(skin.slice.slice.height == 1);
+    REQUIRE(skin.points.size() == 2);
+    CHECK(distance(skin.points[1], from_mm(-4.5, 0, 131)) < 1e-15);
     const auto drives = std::get<DrivesMessage>(read_message(R"({"t":"drives","n":6,"scene":"s","record":3})"));
     CHECK(drives.scene == "s");
     CHECK(drives.record == 3);
@@ -128,9 +137,9 @@ TEST_CASE("studio messages: bad ones are refused by name") {
         {R"({"t":"beat","hidden":0})", "'hidden' is missing or not true or false"},
         {R"({"t":"scene","n":1,"document":[]})", "'document' is missing or not an object"},
         {R"({"t":"play","n":1,"scene":null})", "'scene' is missing or not text"},
-        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2})",
+        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
          "'origin' is missing or not three numbers"},
-        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,"1"],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2})",
+        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,"1"],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
          "'origin' is missing or not three numbers"},
         {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
          "'record' is missing"},
@@ -140,6 +149,12 @@ TEST_CASE("studio messages: bad ones are refused by name") {
          "unknown member 'record'"},
         {R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":4})",
          "message 'reach': member 'view' is 4"},
+        {R"({"t":"skin","n":1,"scene":"s","points":[1,2],"record":0,"view":0})",
+         "'points' is missing or not three numbers for each of 1 to 20000 places"},
+        {R"({"t":"skin","n":1,"scene":"s","points":[],"record":0,"view":0})", "'points'"},
+        {R"({"t":"skin","n":1,"scene":"s","points":[1,2,"3"],"record":0,"view":0})", "'points'"},
+        {R"({"t":"skin","n":1,"scene":"s","points":[1,2,3],"record":0,"view":4})",
+         "message 'skin': member 'view' is 4"},
         {R"({"t":"drives","n":1,"scene":"s"})", "'record' is missing"},
         {R"({"t":"cancel","n":1})", "'what' is missing"},
         {R"({"t":"cancel","n":1,"what":"all"})", "'what' is 'all', not 'analyze' or 'simulate'"},

@@ -81,6 +81,22 @@ TEST_CASE("slice: the same numbers as the field of a region") {
     CHECK(worst <= 1e-5F * peak);
 }
 
+TEST_CASE("slice: at places anywhere, the same as on a plane through them") {
+    const Excitation excitation = two_foci();
+    const Slice slice{from_mm(-20, -10, 120), from_mm(40, 3, 0), from_mm(0, 25, 14), 9, 7};
+    const std::vector<float> plane = mean_square_on(excitation, slice);
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < plane.size(); ++i)
+        points.push_back(slice.origin + static_cast<double>(i % 9) / 8.0 * slice.u +
+                         static_cast<double>(i / 9) / 6.0 * slice.v);
+    const std::vector<float> found = mean_square_at(excitation, points);
+    REQUIRE(found.size() == plane.size());
+    const float peak = *std::max_element(plane.begin(), plane.end());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(std::abs(found[i] - plane[i]) <= 1e-6F * peak);
+    CHECK_THROWS_WITH(mean_square_at(excitation, {}), Catch::Contains("found 0, expected 1 to 20000"));
+    CHECK_THROWS_WITH(mean_square_at(excitation, std::vector<Vec3>(20'001, points[0])), Catch::Contains("found 20001"));
+}
+
 TEST_CASE("slice: what a focus could have at each point is what one has that is made there") {
     const Array array = find_array("tile-10x10");
     std::mt19937 random(Catch::rngSeed());

@@ -9,8 +9,6 @@
 namespace haptogram {
 namespace {
 
-constexpr double drawn_cell_m = 3e-3;  // of the skin in a view
-
 const HandSource& hand_of(const Project& project) {
     if (!project.hand) throw bad_argument("hand", "the project has no [hand]; add one with a 'recording'");
     return *project.hand;
@@ -38,6 +36,18 @@ void add_lines(HandView& view, const Rendered& rendered, double least_force_n) {
 }
 
 }  // namespace
+
+std::vector<std::array<Vec3, 3>> drawn_skin(const std::vector<SkinRegion>& regions) {
+    std::vector<std::array<Vec3, 3>> triangles;
+    for (const SkinRegion& region : regions) add_skin(triangles, region);
+    return triangles;
+}
+
+SkinOptions drawn_skin_options() {
+    SkinOptions options;
+    options.cell_m = 3e-3;
+    return options;
+}
 
 RenderOptions render_options(const Project& project) {
     const HandSource& hand = hand_of(project);
@@ -89,10 +99,7 @@ HandView hand_view(const Project& project, const ProjectInstrument& instrument) 
     const HandFrame& frame = frames[view.frame - 1];
     view.time_s = frame.time_s;
     view.end_s = frames.back().time_s;
-    SkinOptions drawn;
-    drawn.cell_m = drawn_cell_m;
-    if (!frame.hands.empty())
-        for (const SkinRegion& region : skin_of(*hand.hands, view.frame, drawn)) add_skin(view.skin, region);
+    if (!frame.hands.empty()) view.skin = drawn_skin(skin_of(*hand.hands, view.frame, drawn_skin_options()));
     try {
         Rendered rendered = render(opened, instrument);
         view.report = rendered.frames.front();

@@ -41,6 +41,10 @@ struct HandView {
     std::optional<Error> nothing;  ///< why the frame has no lines: render()'s error
 };
 
+/// A hand's palmar skin as a view draws it: triangles of rasters with cells of 3 mm.
+[[nodiscard]] std::vector<std::array<Vec3, 3>> drawn_skin(const std::vector<SkinRegion>& regions);
+[[nodiscard]] SkinOptions drawn_skin_options();
+
 /// @throws Error{bad_argument} naming "frame" when the project names none, or one that the recording does not have; and
 /// as render() for all that is not of this frame
 [[nodiscard]] HandView hand_view(const Project& project, const ProjectInstrument& instrument);

@@ -13,6 +13,14 @@
 namespace haptogram {
 namespace {
 
+void require_few_terms(std::size_t points, std::size_t elements, std::size_t sets) {
+    const double terms = static_cast<double>(points) * static_cast<double>(elements) * static_cast<double>(sets);
+    if (terms > most_slice_terms)
+        throw bad_argument("slice", fmt::format("{} points of {} elements with {} sets of drives are too many; take "
+                                                "fewer points",
+                                                points, elements, sets));
+}
+
 void require_sound(const Slice& slice, std::size_t elements, std::size_t sets) {
     if (std::min(slice.width, slice.height) < 2 || std::max(slice.width, slice.height) > most_slice_points)
         throw bad_argument("slice", fmt::format("has {} × {} points; take 2 to {} along each edge", slice.width,
@@ -20,11 +28,7 @@ void require_sound(const Slice& slice, std::size_t elements, std::size_t sets) {
     for (const Vec3& each : {slice.origin, slice.u, slice.v})
         if (!std::isfinite(each.x) || !std::isfinite(each.y) || !std::isfinite(each.z))
             throw bad_argument("slice", "its corner and its edges must be finite numbers");
-    const double terms = static_cast<double>(slice.size()) * static_cast<double>(elements) * static_cast<double>(sets);
-    if (terms > most_slice_terms)
-        throw bad_argument("slice", fmt::format("{} × {} points of {} elements with {} sets of drives are too many; "
-                                                "take fewer points",
-                                                slice.width, slice.height, elements, sets));
+    require_few_terms(slice.size(), elements, sets);
 }
 
 std::vector<double> spread(double from, double length, std::uint32_t count) {
@@ -72,6 +76,13 @@ std::vector<float> mean_square_on(const Excitation& excitation, const Slice& sli
     if (const std::optional<Grid> grid = grid_of(slice))
         return mean_square_pressure(excitation.array, excitation.sequence(), *grid, options);
     return mean_square_pressure_at(excitation.array, excitation.sequence(), points_of(slice), options);
+}
+
+std::vector<float> mean_square_at(const Excitation& excitation, std::span<const Vec3> points) {
+    if (points.empty() || points.size() > most_skin_points)
+        throw bad_argument("points", fmt::format("found {}, expected 1 to {}", points.size(), most_skin_points));
+    require_few_terms(points.size(), excitation.array.elements.size(), excitation.drives.size());
+    return mean_square_pressure_at(excitation.array, excitation.sequence(), points);
 }
 
 std::vector<float> reachable_on(const Array& array, const Slice& slice) {

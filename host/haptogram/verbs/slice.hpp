@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
@@ -18,6 +19,7 @@ struct Slice {
 };
 
 inline constexpr std::uint32_t most_slice_points = 2048;  ///< along an edge
+inline constexpr std::size_t most_skin_points = 20'000;   ///< places on a skin, or anywhere else
 inline constexpr double most_slice_terms = 1e10;          ///< elements × sets of drives × points
 
 /// Mean square of the sound pressure at a slice's points, Pa²: rows along u, v = 0 first. Radiation pressure, rms
@@ -28,6 +30,9 @@ inline constexpr double most_slice_terms = 1e10;          ///< elements × sets 
 /// corner or edges are not finite, or that takes more than most_slice_terms; and as mean_square_pressure_at()
 [[nodiscard]] std::vector<float> mean_square_on(const Excitation& excitation, const Slice& slice, unsigned threads = 1,
                                                 const Progress& progress = {});
+
+/// The same at places anywhere, one to most_skin_points.
+[[nodiscard]] std::vector<float> mean_square_at(const Excitation& excitation, std::span<const Vec3> points);
 
 /// The same of a focus that the array makes at each point in turn: what it can do where. 0 out of its reach.
 /// @throws Error as mean_square_on(), of one set of drives

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -47,6 +48,13 @@ struct Values {
     std::vector<float> squares;  ///< as mean_square_on() gives them
     std::size_t sets = 0;        ///< of drives
 };
+
+/// The field of what plays of a scene: its sequence, or the record that a message names.
+template <class FieldOf>
+Values field_of(const Scene& scene, const SliceMessage& message, FieldOf field_of_one) {
+    if (message.record == 0) return {field_of_one(scene.excitation), scene.excitation.drives.size()};
+    return {field_of_one(only(scene.excitation, message.record - 1)), 1};
+}
 
 template <class ValuesOf>
 void answer_slice(Scenes& scenes, Recipient& page, const SliceMessage& message, ValuesOf values_of) {
@@ -114,8 +122,8 @@ std::string report_of(const Scene& scene, const ReportPicture& draw, const Progr
     return report_page(timeline, analysis, findings, draw(timeline, progress.between(0.5, 1.0)));
 }
 
-/// The edges of a hand's palmar surface as line segments, millimetres: its palm down in the origin, its fingers along
-/// y.
+/// A hand, millimetres, its palm down in the origin, its fingers along y: the edges of its palmar surface as line
+/// segments, and the corners of its skin's triangles, coordinates in a row, to 1 µm.
 ordered_json hand_outline() {
     const Hand hand = synthetic_hand(HandScript::press, 0.0);
     ordered_json segments = ordered_json::array();
@@ -127,7 +135,12 @@ ordered_json hand_outline() {
             for (const Vec3& end : {edge[i] - hand.palm, edge[(i + 1) % edge.size()] - hand.palm})
                 segments.push_back({end.x / millimetre, end.y / millimetre, end.z / millimetre});
     }
-    return {{"segments", segments}};
+    ordered_json corners = ordered_json::array();
+    for (const auto& triangle : drawn_skin(palmar_surface(hand, drawn_skin_options())))
+        for (const Vec3& corner : triangle)
+            for (const double each : {corner.x - hand.palm.x, corner.y - hand.palm.y, corner.z - hand.palm.z})
+                corners.push_back(std::round(each / millimetre * 1e3) / 1e3);
+    return {{"segments", segments}, {"skin", corners}};
 }
 
 }  // namespace
@@ -170,15 +183,20 @@ void answer(Scenes& scenes, Recipient& page, const PathMessage& message, const P
 
 void answer(Scenes& scenes, Recipient& page, const SliceMessage& message) {
     answer_slice(scenes, page, message, [&](const Scene& scene) -> Values {
-        if (message.record == 0)
-            return {mean_square_on(scene.excitation, message.slice), scene.excitation.drives.size()};
-        return {mean_square_on(only(scene.excitation, message.record - 1), message.slice), 1};
+        return field_of(scene, message, [&](const Excitation& all) { return mean_square_on(all, message.slice); });
     });
 }
 
 void answer(Scenes& scenes, Recipient& page, const ReachMessage& message) {
     answer_slice(scenes, page, message.slice, [&](const Scene& scene) -> Values {
         return {reachable_on(scene.excitation.array, message.slice.slice), 1};
+    });
+}
+
+void answer(Scenes& scenes, Recipient& page, const SkinMessage& message) {
+    answer_slice(scenes, page, message.slice, [&](const Scene& scene) -> Values {
+        return field_of(scene, message.slice,
+                        [&](const Excitation& all) { return mean_square_at(all, message.points); });
     });
 }
 

@@ -21,6 +21,7 @@ void answer(Scenes& scenes, Recipient& page, const HandMessage& message);
 void answer(Scenes& scenes, Recipient& page, const PathMessage& message, const Progress& progress = {});
 void answer(Scenes& scenes, Recipient& page, const SliceMessage& message);
 void answer(Scenes& scenes, Recipient& page, const ReachMessage& message);
+void answer(Scenes& scenes, Recipient& page, const SkinMessage& message);
 void answer(Scenes& scenes, Recipient& page, const DrivesMessage& message);
 void answer(Scenes& scenes, Recipient& page, const AnalyzeMessage& message, const Progress& progress = {});
 

@@ -102,6 +102,19 @@ public:
         const ordered_json& found = get(name, right, "three numbers");
         return from_mm(found[0].get<double>(), found[1].get<double>(), found[2].get<double>());
     }
+    /// Of places, so many at most, their coordinates in a row.
+    [[nodiscard]] std::vector<Vec3> places(const char* name, std::size_t most) const {
+        const bool right = has(name) && message_[name].is_array() && !message_[name].empty() &&
+                           message_[name].size() <= 3 * most && message_[name].size() % 3 == 0 &&
+                           std::all_of(message_[name].begin(), message_[name].end(),
+                                       [](const ordered_json& each) { return each.is_number(); });
+        const ordered_json& found =
+            get(name, right, fmt::format("three numbers for each of 1 to {} places", most).c_str());
+        std::vector<Vec3> all;
+        for (std::size_t i = 0; i < found.size(); i += 3)
+            all.push_back(from_mm(found[i].get<double>(), found[i + 1].get<double>(), found[i + 2].get<double>()));
+        return all;
+    }
     [[nodiscard]] ordered_json object(const char* name) const {
         return get(name, has(name) && message_[name].is_object(), "an object");
     }
@@ -241,15 +254,19 @@ std::vector<std::uint8_t> drawn_bytes(std::uint32_t n, const Drawing& drawing, s
 /// Every so many-th of `count`, so that at most `most` are taken.
 std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::size_t>(1, (count + most - 1) / most); }
 
-SliceMessage slice_of(const Members& members) {
-    SliceMessage slice{.n = members.whole("n"),
-                       .scene = members.text("scene"),
-                       .slice = {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
-                                 members.whole("width"), members.whole("height")},
-                       .view = members.whole("view")};
+/// All but the places, and which record.
+SliceMessage field_of(const Members& members) {
+    SliceMessage slice{.n = members.whole("n"), .scene = members.text("scene"), .view = members.whole("view")};
     if (slice.view >= most_views)
         throw bad_input(members.type(),
                         fmt::format("member 'view' is {}, and a page has views 0 to {}", slice.view, most_views - 1));
+    return slice;
+}
+
+SliceMessage slice_of(const Members& members) {
+    SliceMessage slice = field_of(members);
+    slice.slice = {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
+                   members.whole("width"), members.whole("height")};
     return slice;
 }
 
@@ -299,6 +316,14 @@ Message read_message(std::string_view text) {
     if (type == "reach") {
         members.only({"n", "scene", "origin", "u", "v", "width", "height", "view"});
         return ReachMessage{slice_of(members)};
+    }
+    if (type == "skin") {
+        members.only({"n", "scene", "points", "record", "view"});
+        SkinMessage skin{field_of(members), members.places("points", most_skin_points)};
+        skin.slice.record = members.whole("record");
+        skin.slice.slice.width = static_cast<std::uint32_t>(skin.points.size());
+        skin.slice.slice.height = 1;
+        return skin;
     }
     if (type == "drives") {
         members.only({"n", "scene", "record"});

@@ -37,7 +37,7 @@ struct PathMessage {
 struct SliceMessage {
     std::uint32_t n = 0;
     std::string scene;
-    Slice slice;               ///< metres; millimetres on the line
+    Slice slice{};             ///< metres; millimetres on the line
     std::uint32_t record = 0;  ///< of this record alone, counted from 1; 0: the mean over the sequence
     std::uint32_t view = 0;    ///< 0 to 3: each of a page's views waits for itself
 };
@@ -46,6 +46,12 @@ inline constexpr std::uint32_t most_views = 4;
 /// 0.
 struct ReachMessage {
     SliceMessage slice;
+};
+/// Compute a scene's field at places, as those of a hand's skin. It is answered as a SliceMessage is, with all values
+/// in one row; its origin and edges are not used.
+struct SkinMessage {
+    SliceMessage slice;
+    std::vector<Vec3> points;  ///< metres; millimetres, x, y, z of each in a row, on the line
 };
 /// Tell the drives of one record.
 struct DrivesMessage {
@@ -158,10 +164,10 @@ struct BeatMessage {
 };
 
 using Message =
-    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage,
-                 SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage,
-                 PlayMessage, TriggerMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage,
-                 StudyMessage, LiveMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, SkinMessage, DrivesMessage,
+                 AnalyzeMessage, SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage,
+                 UploadMessage, PlayMessage, TriggerMessage, StreamMessage, IntensityMessage, ModulateMessage,
+                 StudiesMessage, StudyMessage, LiveMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most

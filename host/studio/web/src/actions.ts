@@ -112,6 +112,11 @@ export function actionsOf(session: Session, link: Link): Actions {
       state.reach.value = on;
       session.slicer.ask(false);
     },
+    showSkin(on) {
+      // Where no hand touches, that for scale is there for it.
+      if (on && !project.peek()?.hand) state.outline.value = true;
+      state.skin.value = on;
+    },
     stream: () => session.stream(),
     handle(handles) {
       state.handles.value = handles;

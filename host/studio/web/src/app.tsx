@@ -12,7 +12,7 @@ import { Feel } from "./feel";
 import { Gallery } from "./gallery";
 import { HandReport } from "./hand";
 import { offered } from "./keeper";
-import type { Link, Point } from "./link";
+import type { Link, Outline, Point } from "./link";
 import { Live } from "./live";
 import { Bar, Failed, Numbers, ScaleBar, SliceControls, Status, TakeAway } from "./panels";
 import { moved, placed, placeOf } from "./placing";
@@ -244,14 +244,25 @@ function follow(session: Session, link: Link, host: HTMLElement): void {
       if (read && project.peek()?.path === file) state.line.value = { file: file ?? "", ...read };
     }).catch(tell);
   });
-  let outline: Promise<Point[]> | undefined;
+  let outline: Promise<Outline> | undefined;
   effect(() => {
     const on = state.outline.value;
     localStorage.setItem("outline", on ? "on" : "off");
-    if (!on) return view?.showOutline(undefined);
+    if (!on) {
+      view?.showOutline(undefined);
+      return session.askSkin();
+    }
     if (!state.hello.value) return; // the engine is not there yet
     outline ??= link.outline();
-    void outline.then((ends) => state.outline.peek() && view?.showOutline(ends)).catch(tell);
+    void outline.then((hand) => {
+      if (!state.outline.peek()) return;
+      view?.showOutline(hand);
+      session.askSkin();
+    }).catch(tell);
+  });
+  effect(() => {
+    void [state.skin.value, state.reach.value, shownRecord.value, state.showsKept.value];
+    session.askSkin();
   });
   const surfaces = new Surfaces(
     link,

@@ -119,6 +119,12 @@ export interface DrawnHand {
   foci: Float32Array<ArrayBuffer>;
 }
 
+/** A hand, millimetres, its palm in the origin: ends of line segments, and corners of the skin's triangles, coordinates in a row. */
+export interface Outline {
+  segments: Point[];
+  skin: number[];
+}
+
 /** A rendered path as a file, and what became of its frames. */
 export interface RenderedPath {
   text: string;
@@ -403,9 +409,8 @@ export abstract class Link {
     return await this.request("GET", `/api/files?name=${encodeURIComponent(name)}`);
   }
 
-  /** The outline of a hand: ends of line segments, millimetres, its palm in the origin. */
-  async outline(): Promise<Point[]> {
-    return (await this.json<{ segments: Point[] }>("GET", "/api/outline")).segments;
+  async outline(): Promise<Outline> {
+    return await this.json("GET", "/api/outline");
   }
 
   /** A project file's text as a document. */

@@ -11,6 +11,7 @@ import { LiveReader } from "./live_reader";
 import type { Device, Event, Link, Scene } from "./link";
 import { PinReader } from "./pin_reader";
 import { look } from "./quantity";
+import type { Skin } from "./skin";
 import { Slicer } from "./slicer";
 import { shownRecord, state, tell } from "./state";
 import { StudyReader } from "./study_reader";
@@ -29,6 +30,7 @@ export class Session {
   readonly hands: HandReader;
   readonly runner = new Runner((at) => this.mark(at));
   private readonly drives: Latest<true>;
+  private readonly skins: Latest<Skin>;
   private readonly comparer: Comparer;
   private asked: { n: number; document: string } | undefined; // scene under way
   private analysed: { n: number; scene: string } | undefined; // that was asked for last
@@ -50,6 +52,7 @@ export class Session {
       (busy) => (state.slicing.value = busy),
     );
     this.drives = new Latest<true>(link);
+    this.skins = new Latest(link);
     this.comparer = new Comparer(link, () => this.slicer.ask(false));
     this.pins = new PinReader(link);
     this.study = new StudyReader(link);
@@ -118,6 +121,20 @@ export class Session {
       state.middle.value = this.view.middle;
     }
     this.slicer.ask(true);
+  }
+
+  /** Asks for the field on the skin that the view has, if it is to be shown. */
+  askSkin(): void {
+    const scene = state.showsKept.peek() ? state.kept.peek()?.scene : state.scene.peek();
+    const skin = scene && state.skin.peek() && !state.reach.peek() ? this.view?.skinThere() : undefined;
+    if (scene && skin) this.skins.ask({ t: "skin", scene: scene.name, points: skin.points, record: shownRecord.peek(), view: 3 }, skin);
+    else this.view?.showSkin(undefined);
+  }
+
+  private skinCame(skin: Skin, squares: Float32Array<ArrayBuffer>): void {
+    const there = state.skin.peek() && !state.reach.peek() ? this.view?.skinThere() : undefined;
+    if (there && there.points.join() === skin.points.join()) this.view?.showSkin({ skin, squares });
+    else this.view?.showSkin(undefined);
   }
 
   showScene(scene: Scene, of: ProjectDocument | undefined): void {
@@ -207,7 +224,7 @@ export class Session {
     if (event.t === "open") {
       this.asked = undefined;
       this.analysed = undefined;
-      for (const reader of [this.slicer, this.drives, this.comparer, this.pins, this.study, this.live, this.hands]) reader.lose();
+      for (const reader of [this.slicer, this.skins, this.drives, this.comparer, this.pins, this.study, this.live, this.hands]) reader.lose();
       this.begin();
     } else if (event.t === "lost") {
       state.device.value = { t: "device", connection: "none" };
@@ -227,7 +244,9 @@ export class Session {
     } else if (event.t === "analysis") {
       if (event.n === this.analysed?.n) state.analysis.value = event;
     } else if (event.t === "slice") {
-      if (!this.comparer.take(event.slice) && this.slicer.take(event.slice)) this.sliceCame(event.slice);
+      const skin = this.skins.came(event.slice.n);
+      if (skin) this.skinCame(skin, event.slice.values);
+      else if (!this.comparer.take(event.slice) && this.slicer.take(event.slice)) this.sliceCame(event.slice);
     } else if (event.t === "off") {
       state.playsNext.value = false;
       state.livesNext.value = undefined;
@@ -263,7 +282,10 @@ export class Session {
 
   private sliceCame(slice: Extract<Event, { t: "slice" }>["slice"]): void {
     const whole = slice.width === 200;
-    if (whole) this.askAnalysis();
+    if (whole) {
+      this.askAnalysis();
+      if (state.skin.peek()) this.askSkin();
+    }
     this.view?.showSlice(slice, look.value);
     // Numbers are for reading: ten times a second is enough.
     const now = performance.now();
@@ -286,7 +308,7 @@ export class Session {
     }
     if (this.comparer.failed(n)) return;
     this.pins.fail(n);
-    if (!this.sceneEnded(n) && !this.drives.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
+    if (!this.sceneEnded(n) && !this.drives.came(n) && !this.skins.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
     if (event.work) state.work.value = event;
     state.playsNext.value = false;
     state.livesNext.value = undefined;

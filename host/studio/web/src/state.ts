@@ -124,6 +124,8 @@ export const state = {
   chosen: signal<number | undefined>(undefined),
   /** Whether the outline of a hand is in the view, as a scale. */
   outline: signal(localStorage.getItem("outline") === "on"),
+  /** Whether the field is shown on a hand's skin, too. */
+  skin: signal(false),
   /** Where the pen is, and in how many places it was, while a line is drawn by hand. */
   pen: signal<{ at: Point; places: number } | undefined>(undefined),
   /** Over how long a drawn line is smoothed, ms, and how far that has moved it, of the file that it became. */
@@ -212,6 +214,8 @@ export interface Actions {
   showAlone(on: boolean): void;
   /** Whether the field is what one focus could have at each point. */
   showReach(on: boolean): void;
+  /** Whether the field is shown on a hand's skin, too. */
+  showSkin(on: boolean): void;
   handle(handles: Handles): void;
   /** Lets the user draw a path on the plane by hand, or ends that. */
   draw(on: boolean): void;

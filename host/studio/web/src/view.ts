@@ -13,8 +13,9 @@ import { Axes } from "./axes";
 import { type ColourMap, phaseColour, table } from "./colours";
 import { HandDrawing } from "./hand_drawing";
 import { LiveDrawing } from "./live_drawing";
-import type { ArrayOf, Drawn, DrawnHand, Drives, LiveScene, Point, Scene, SliceData } from "./link";
+import type { ArrayOf, Drawn, DrawnHand, Drives, LiveScene, Outline, Point, Scene, SliceData } from "./link";
 import { type Look, quantities } from "./quantity";
+import { type Skin, SkinDrawing, welded } from "./skin";
 
 export type Orientation = "xy" | "xz" | "yz";
 
@@ -32,19 +33,25 @@ const vertexShader = `
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   }`;
 
-// Mean square pressure to a place on the colour map: linear, by its root, or in decibels below the top. The slice's first and
-// last points lie on the edges, but the first and last texels beside them. What is above the top is hatched.
-const fragmentShader = `
-  varying vec2 place;
-  uniform sampler2D field, colours;
-  uniform float top, range, points;
+// Mean square pressure to a place on the colour map: linear, by its root, or in decibels below the top. What is above the top is hatched.
+const colouring = `
+  uniform sampler2D colours;
+  uniform float top, range;
   uniform int root;
-  void main() {
-    float part = max(texture2D(field, (place * (points - 1.0) + 0.5) / points).r / top, 1e-20);
+  vec3 colourOf(float square) {
+    float part = max(square / top, 1e-20);
     float level = range > 0.0 ? 1.0 + 4.342944819 * log(part) / range : (root == 1 ? sqrt(part) : part);
     vec3 colour = texture2D(colours, vec2(clamp(level, 0.002, 0.998), 0.5)).rgb;
-    if (level > 1.001 && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 3.0) colour = vec3(1.0) - colour;
-    gl_FragColor = vec4(colour, 0.94);
+    return level > 1.001 && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 3.0 ? vec3(1.0) - colour : colour;
+  }`;
+
+// The slice's first and last points lie on the edges, but the first and last texels beside them.
+const fragmentShader = `${colouring}
+  varying vec2 place;
+  uniform sampler2D field;
+  uniform float points;
+  void main() {
+    gl_FragColor = vec4(colourOf(texture2D(field, (place * (points - 1.0) + 0.5) / points).r), 0.94);
   }`;
 
 function geometryOf(positions: Float32Array<ArrayBuffer>): BufferGeometry {
@@ -95,6 +102,10 @@ export class View {
   private readonly uniforms = {
     field: { value: null as DataTexture | null }, colours: { value: null as DataTexture | null }, points: { value: 2 }, top: { value: 1 }, range: { value: 0 }, root: { value: 0 },
   };
+  private readonly skin = new SkinDrawing(this.uniforms, colouring);
+  /** Corners of the skin of a hand that has no place of its own, and of one that has. */
+  private palm: number[] | undefined;
+  private touching: Float32Array<ArrayBuffer> | undefined;
   private slice: SliceData | undefined;
   private shownColours: ColourMap | undefined;
   private pointer: Vector2 | undefined;
@@ -121,7 +132,7 @@ export class View {
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.live.group, this.outline, this.stroke, this.plane, this.axes.group);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.live.group, this.outline, this.skin.group, this.stroke, this.plane, this.axes.group);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -291,6 +302,7 @@ export class View {
 
   showObject(drawn: Drawn): void {
     this.drawn = drawn;
+    this.skin.clear();
     this.clear(this.object);
     const surface = geometryOf(drawn.vertices);
     surface.setIndex(new BufferAttribute(drawn.triangles, 1));
@@ -309,21 +321,25 @@ export class View {
   /** A hand and what it feels; without one, none. */
   showHand(hand: DrawnHand | undefined): void {
     this.hand.show(hand);
+    this.touching = hand && hand.skin.length > 0 ? hand.skin : undefined;
+    this.skin.clear();
     this.paint();
   }
 
   /** What a live session sees and plays, in place of what stands still; without one, that again. */
   showLive(scene: LiveScene | undefined): void {
     this.live.show(scene, this.drawn);
-    for (const each of [this.object, this.path, this.hand.group, this.plane, this.gizmo.getHelper()]) each.visible = scene === undefined;
+    for (const each of [this.object, this.path, this.hand.group, this.skin.group, this.plane, this.gizmo.getHelper()]) each.visible = scene === undefined;
     this.paint();
   }
 
-  /** The outline of a hand whose palm is where the object is, as a scale; without ends of segments, none. */
-  showOutline(ends: Point[] | undefined): void {
+  /** The outline of a hand whose palm is where the object is, as a scale; or none. */
+  showOutline(hand: Outline | undefined): void {
     this.clear(this.outline);
-    if (ends) {
-      const lines = new LineSegments(geometryOf(flat(ends)), new LineBasicMaterial());
+    this.palm = hand?.skin;
+    this.skin.clear();
+    if (hand) {
+      const lines = new LineSegments(geometryOf(flat(hand.segments)), new LineBasicMaterial());
       lines.userData["colour"] = "--skin-edge";
       this.outline.add(lines);
     }
@@ -331,9 +347,23 @@ export class View {
     this.paint();
   }
 
+  /** The skin that the view has, where it is: that of the hand which touches, or else of the one for scale. */
+  skinThere(): Skin | undefined {
+    if (this.touching) return welded(this.touching, new Vector3());
+    return this.palm && welded(this.palm, this.outline.position);
+  }
+
+  /** The field on that skin, as far as it is still there; or none. */
+  showSkin(of: { skin: Skin; squares: Float32Array<ArrayBuffer> } | undefined): void {
+    if (of) this.skin.show(of.skin, of.squares);
+    else this.skin.clear();
+    this.redraw();
+  }
+
   /** No scene: neither focal points nor a field. */
   clearScene(): void {
     this.clear(this.path);
+    this.skin.clear();
     this.sheet.visible = false;
     this.slice = undefined;
     this.redraw();
