@@ -12,8 +12,8 @@
 namespace haptogram {
 namespace {
 
-constexpr double most_steps = 400.0;                      // each a record, of which the usual core has so many
-constexpr double most_points = 16.0, least_points = 6.0;  // of a circle, that show its shape
+constexpr double most_steps = 400.0;                           // each a record, of which the usual core has so many
+constexpr double most_of_a_circle = 16.0, least_points = 6.0;  // of a circle, that show its shape
 constexpr double most_rate_hz = 1000.0;
 
 }  // namespace
@@ -34,7 +34,7 @@ Project project_from_adaptics(std::string_view text, const std::string& where) {
         shape.primitive.kind = "circle";
         shape.primitive.diameter = pattern.diameter_m;
         project.pace.frequency_hz = adaptics_brush_hz;
-        project.points = static_cast<std::size_t>(std::min(points, most_points));
+        project.points = static_cast<std::size_t>(std::min(points, most_of_a_circle));
     } else {
         shape.primitive.kind = "point";
         project.points = 1;

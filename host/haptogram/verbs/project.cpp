@@ -179,7 +179,7 @@ std::string value_text(std::uint64_t value) { return fmt::to_string(value); }
 std::string value_text(const std::string& value) { return quoted_text(value); }
 
 /// The settings that have an effect and are not as they are without being said.
-std::string settings_text(const Project& project) {
+std::string text_of_settings(const Project& project) {
     std::string text;
     for (const Setting& one : project_settings()) {
         const std::optional<SettingValue> value = one.get == nullptr ? std::nullopt : one.get(project, one);
@@ -351,7 +351,7 @@ Project load_project(const std::filesystem::path& path) {
 }
 
 std::string to_toml(const Project& project) {
-    std::string text = fmt::format("format = \"{}\"\n", format_name) + settings_text(project);
+    std::string text = fmt::format("format = \"{}\"\n", format_name) + text_of_settings(project);
     if (project.hand) text += to_toml(*project.hand);
     const std::string placed = to_toml(project.placement);
     if (!placed.empty()) text += "\n[place]\n" + placed;

@@ -104,12 +104,12 @@ struct Scope {
     bool (*has)(const Project&) = nullptr;
     std::string_view subject{};
 };
-constexpr Scope shapes = {of_shapes, "shapes"};
-constexpr Scope paced = {can_be_paced, "shapes and hands"};
-constexpr Scope drawn = {is_drawn, "shapes that are drawn, by a speed or a frequency, and of hands"};
-constexpr Scope sampled = {is_sampled,
-                           "shapes, of an AdapTics pattern, and of one frame of a hand: add a frame to [hand]"};
-constexpr Scope random = {has_chance, "shapes, and of a hand's algorithms E and F"};
+constexpr Scope for_shapes = {of_shapes, "shapes"};
+constexpr Scope for_paced = {can_be_paced, "shapes and hands"};
+constexpr Scope for_drawn = {is_drawn, "shapes that are drawn, by a speed or a frequency, and of hands"};
+constexpr Scope for_sampled = {is_sampled,
+                               "shapes, of an AdapTics pattern, and of one frame of a hand: add a frame to [hand]"};
+constexpr Scope for_random = {has_chance, "shapes, and of a hand's algorithms E and F"};
 
 constexpr Setting with(Setting setting, Scope scope, std::string_view one_of = {}) {
     setting.one_of = one_of;
@@ -142,40 +142,40 @@ constexpr Setting of_projects[] = {
     with(of<&Project::points>("points", "--points", WholeNumbers{1, 65535},
                               "Focal points to take from a surface, a curve or a larger cloud; samples of an AdapTics "
                               "pattern; steps of the pass of a hand's frame"),
-         sampled),
-    with(of<&Project::seed>("seed", "--seed", seeds, "Seed of the sampling"), random),
+         for_sampled),
+    with(of<&Project::seed>("seed", "--seed", seeds, "Seed of the sampling"), for_random),
     with(of<&Project::clip>("clip", "--clip", Flag{},
                             "Leave out points that the array cannot reach, instead of refusing the shape"),
-         shapes),
+         for_shapes),
     with({.key = "rate_hz",
           .option = "--rate",
           .help = "Passes over the points of the shape a second, in a short tour, Hz",
           .kind = any_positive,
           .get = get_rate,
           .put = put_rate},
-         shapes, how_fast),
+         for_shapes, how_fast),
     with({.key = "speed_m_s",
           .option = "--speed",
           .help = "Draw the shape's curves, or its tour, at this many m/s (7 is usual)",
           .kind = any_positive,
           .get = get_pace<&Pace::speed_m_s>,
           .put = put_pace<&Pace::speed_m_s>},
-         paced, how_fast),
+         for_paced, how_fast),
     with({.key = "frequency_hz",
           .option = "--frequency",
           .help = "Draw the shape's curves this many times a second, Hz",
           .kind = any_positive,
           .get = get_pace<&Pace::frequency_hz>,
           .put = put_pace<&Pace::frequency_hz>},
-         paced, how_fast),
+         for_paced, how_fast),
     with(of<&Project::jump>("jump", "--jump", Choices(jumps),
                             "Between curves that are drawn: hop, which takes no time, or blank, silence for as long as "
                             "the way takes"),
-         drawn),
+         for_drawn),
     with(of<&Project::even>("even", "--even", Flag{},
                             "Choose dwells that make all points feel alike, with what the foci add to each other, "
                             "instead of equal ones"),
-         shapes),
+         for_shapes),
     of<&Project::am>("am", "--am", FileOrName{},
                      "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, sawtooth:HZ, "
                      "several with + between them, wav:FILE or csv:FILE"),
@@ -192,7 +192,7 @@ constexpr Setting of_projects[] = {
          .kind = Form{[](std::string_view text) { return fade_of(text).has_value(); }, fade_form, fade_pattern},
          .get = get_fade,
          .put = put_fade},
-        shapes),
+        for_shapes),
     of<&Project::magnitude>("magnitude", "--magnitude", any_positive,
                             "How strong each focus feels to a palm under --am, from the array's force and the "
                             "Multimodal paper's tables (see haptogram magnitude)"),
@@ -204,12 +204,12 @@ constexpr Setting of_projects[] = {
                         "there"),
     of<&Project::loops>("loops", "--loops", WholeNumbers{0, 65535},
                         "Passes when the image is played by itself; 0 is for ever"),
-    with(own("place", "--center"), shapes),
-    with(own({}, "--size"), shapes),
-    with(own({}, "--rotate"), shapes),
-    with(own({}, "--scale"), shapes),
-    with(own("shape"), shapes),
-    with(own("keyframe"), shapes),
+    with(own("place", "--center"), for_shapes),
+    with(own({}, "--size"), for_shapes),
+    with(own({}, "--rotate"), for_shapes),
+    with(own({}, "--scale"), for_shapes),
+    with(own("shape"), for_shapes),
+    with(own("keyframe"), for_shapes),
     own("hand"),
     own("live"),
     own("trigger"),
