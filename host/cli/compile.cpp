@@ -305,11 +305,13 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--save-path", options->save_path, "Also write the path that the image plays, as JSON");
     add_settings(*sub, options->settings);
     sub->get_option("--am-law")->needs("--am");
+    CLI::Option* array = sub->get_option("--array");
+    array->description(fmt::format("{}; shipped: {}", array->get_description(), fmt::join(shipped_arrays(), ", ")));
     sub->add_option("--rig", options->rig,
                     fmt::format("Rig file (TOML) or shipped rig instead: {}. Writes an image for each of its boards, "
                                 "beside a rig manifest",
                                 fmt::join(shipped_rigs(), ", ")))
-        ->excludes("--array");
+        ->excludes(array);
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->default_str(ShapeSource{}.unit);
