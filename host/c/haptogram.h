@@ -87,6 +87,8 @@ HAPTOGRAM_API size_t haptogram_image_hex(const haptogram_image* image, char* to,
 HAPTOGRAM_API size_t haptogram_image_manifest(const haptogram_image* image, char* to, size_t room);
 /* What is odd about it and does no harm, a sentence a line. */
 HAPTOGRAM_API size_t haptogram_image_warnings(const haptogram_image* image, char* to, size_t room);
+/* What its pressures rest on, in a sentence that begins with "nominal level" or "calibrated level". */
+HAPTOGRAM_API size_t haptogram_image_level(const haptogram_image* image, char* to, size_t room);
 HAPTOGRAM_API void haptogram_free_image(haptogram_image* image);
 
 /* The amplitude of the pressure, Pa, at points of three coordinates each, when a record plays; records count from 1. Record 0 is

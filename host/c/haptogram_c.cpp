@@ -28,6 +28,7 @@
 #include "haptogram/link/trigger.hpp"
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "haptogram/verbs/timeline.hpp"
 #include "reference_port.hpp"
@@ -322,6 +323,9 @@ size_t haptogram_image_manifest(const haptogram_image* image, char* to, size_t r
 }
 size_t haptogram_image_warnings(const haptogram_image* image, char* to, size_t room) {
     return image == nullptr ? 0 : copy(image->warnings, to, room);
+}
+size_t haptogram_image_level(const haptogram_image* image, char* to, size_t room) {
+    return image == nullptr ? 0 : copy(level_text(image->bundle.manifest.array.transducer), to, room);
 }
 void haptogram_free_image(haptogram_image* image) { delete image; }
 

@@ -22,6 +22,7 @@
 #include "haptogram/live/shot_rings.hpp"
 #include "haptogram/live/source.hpp"
 #include "haptogram/live/to_json.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "interrupt.hpp"
 #include "live_board.hpp"
@@ -225,7 +226,8 @@ std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::
 }
 
 /// What is said of some settings alone.
-void tell_setting(Report& report, const LiveCommand& command, const live::LoopReport& done, LiveBoard& board) {
+void tell_setting(Report& report, const LiveCommand& command, const live::LoopReport& done, LiveBoard& board,
+                  const Transducer& transducer) {
     if (const std::size_t boards = board.parts().size(); boards > 0) {
         report.add("begun_together", board.beginnings());
         report.tell(
@@ -236,6 +238,8 @@ void tell_setting(Report& report, const LiveCommand& command, const live::LoopRe
     if (command.fingers.magnitude)
         report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
                                 *command.fingers.magnitude, done.without_magnitude));
+    if (command.fingers.magnitude)
+        report.add("level", level_json(transducer), "                  " + level_text(transducer));
 }
 
 /// What came in and made no sense, and what went out and found no room.
@@ -313,7 +317,7 @@ int live_loop(const LiveCommand& command) {
     const auto latency = live::latency_of(done.rings, board->starts());
     Report report(live::to_json(done, latency));
     tell_run(report, done, latency);
-    tell_setting(report, command, done, *board);
+    tell_setting(report, command, done, *board, array.transducer);
     tell_dropped(report, source, objects.get(), scene ? scene->dropped() : 0);
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");

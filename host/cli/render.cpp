@@ -13,6 +13,7 @@
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "object_options.hpp"
 #include "progress_line.hpp"
@@ -220,6 +221,8 @@ int render(const RenderCommand& command) {
             .add("most_command", rendered.magnitude->most_command)
             .add("focus_moves", rendered.magnitude->moves);
     report.add("length_mm", length / count / millimetre).add("strength_pa", strength / count);
+    report.add("level", level_json(instrument.array.transducer),
+               "                  " + level_text(instrument.array.transducer));
     report.add("compute_ms", compute * 1e3,
                fmt::format("computed in       {:.3f} ms a frame, {:.3f} ms at most", compute * 1e3, slowest * 1e3));
     if (command.report) report.add("frames", frames);

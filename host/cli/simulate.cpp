@@ -12,6 +12,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "simulate_rig.hpp"
@@ -66,6 +67,7 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
                          p.pulse_report.checked))
         .add("pulses_equal_to_image", p.pulse_report.checked);
     add_checks(report, bundle.manifest, s);
+    report.add("level", level_json(bundle.manifest.array.transducer));  // of pressure_pa
     return report
         .add("board", {{"underruns", p.status.underruns},
                        {"refused_records", p.status.refused_records},

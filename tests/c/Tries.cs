@@ -11,6 +11,7 @@ static class Tries
         using (Image image = Image.Compile(toml))
         {
             Console.WriteLine("hex " + image.Hex.Length + " manifest " + image.Manifest.Length);
+            Console.WriteLine(image.Level);
             image.Save("csharp.hex");
         }
         using (Image image = Image.Read("csharp.hex")) Console.WriteLine("pressure " + image.Pressure(new[] { 0, 0, 0.15 }, 1)[0].ToString("R"));

@@ -114,6 +114,12 @@ def test_a_shape_from_memory(c, tmp_path):
 def test_pressure_is_that_of_the_field(c, dome, tmp_path):
     c.ok(c.save_image(dome, str(tmp_path / "dome.hex").encode()))
     points = np.array([[0.01 * i, 0.0, 0.15] for i in range(-2, 3)])
+    assert c.text(c.image_level, dome).startswith(b"nominal level: ")
+    (tmp_path / "measured.toml").write_text(
+        '[array]\nrows = 10\ncolumns = 10\npitch_mm = 10\n[transducer]\nsource_pa_m = 1.25\nmeasured = "by a balance"\n')
+    measured = c.made(c.compile, project(c, DOME.replace("points", 'array = "measured.toml"\npoints', 1), folder=str(tmp_path).encode()))
+    assert c.text(c.image_level, measured).decode() == "calibrated level: 1.25 Pa·m, by a balance"
+    c.free_image(measured)
     for record in (0, 3):
         found = np.zeros(len(points))
         c.ok(c.pressure(dome, record, points.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), len(points), found.ctypes.data_as(ctypes.POINTER(ctypes.c_double))))

@@ -26,6 +26,7 @@ def test_images_and_boards_from_csharp(c, tmp_path):
     image = c.made(c.compile, c.struct("project", toml=DOME.encode()))
     assert (tmp_path / "csharp.hex").read_bytes() == c.text(c.image_hex, image)
     assert said["hex"] == f"{len(c.text(c.image_hex, image))} manifest {len(c.text(c.image_manifest, image))}"
+    assert said["nominal"] == c.text(c.image_level, image).decode().removeprefix("nominal ")
     c.free_image(image)
     assert float(said["pressure"]) > 100 and said["solved"] == "200"
     assert re.match(r"3 project.*points", said["error"])  # the words that any other language hears

@@ -64,6 +64,7 @@ def test_strength_and_pressing_foci(tmp_path):
     one = [*PRESS, *BOARD, "--algorithm", "still", "--magnitude", "1.5", "--json"]
     shared = json.loads(succeed(one, cwd=tmp_path).stdout)  # two fingers share the array's pressure
     assert shared["without_magnitude"] >= 7 and shared["with_rings"] == 0
+    assert shared["level"]["calibrated"] is False and shared["level"]["note"].startswith("nominal level: ")
     pressed = json.loads(succeed([*PRESS, *BOARD, "--algorithm", "L", "--json"], cwd=tmp_path).stdout)
     assert pressed["with_rings"] >= 7 and pressed["underruns"] == 0
     refuse(tmp_path, [*PRESS, *BOARD, "--magnitude", "1.5"], USAGE, "still")

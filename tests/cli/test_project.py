@@ -51,6 +51,7 @@ def test_simulate(folder):
     reports = [json.loads(succeed(["simulate", source, "--load", "direct", "--json"], cwd=folder).stdout) for source in ("ring.toml", "options.hex")]
     assert reports[0]["points_checked"] == 12 and reports[0]["contract_violations"] == 0
     assert reports[0]["records"] == reports[1]["records"]
+    assert reports[0]["level"] == reports[1]["level"] and reports[0]["level"]["note"].startswith("nominal level: ")
 
 
 def test_files_are_beside_the_project(folder, tmp_path):

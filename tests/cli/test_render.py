@@ -46,6 +46,7 @@ def test_the_path_of_one_frame_is_compiled_and_simulated(tmp_path):
     # A palm through the middle of a sphere: a circle of 15 mm radius.
     assert np.hypot(where[:, 0], where[:, 1]) == pytest.approx(15, abs=0.05) and where[:, 2] == pytest.approx(150)
     assert report["frames"][0]["length_mm"] == pytest.approx(2 * np.pi * 15, rel=0.002)
+    assert report["level"]["note"].startswith("nominal level: ")  # of strength_pa
     succeed(["compile", "--path", "path.json", "-o", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
     entries = [(int(e & 0xFFFF), int(e >> 16)) for e in Image(tmp_path / "image.hex").sequence()[1:]]

@@ -72,6 +72,7 @@ def test_analyses(ring, program):
     for image, apart in ((str(ring / "ring.hex"), 0.0), (native.compile_text(PROJECT), 1e-5)):
         ours = native.analyze(image)
         assert ours.warnings == theirs["warnings"]
+        assert ours.level == theirs["level"]["note"]
         assert ours.pressure_left_least == pytest.approx(theirs["pressure_left_least"], rel=apart, abs=0.0)
         columns = {"pressure_pa": (ours.pressure_pa, 1.0), "radiation_pressure_pa": (ours.radiation_pa, 1.0), "width_mm": (ours.width_m, 1e3),
                    "depth_mm": (ours.depth_m, 1e3), "side_lobe": (ours.side_lobe, 1.0), "force_mn": (ours.force_n, 1e3),

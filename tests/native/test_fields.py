@@ -79,6 +79,13 @@ def test_mean_squares_on_planes_and_in_volumes(rng):
             assert found.method == ("sums" if len(drives) > 1 else found.method) and 0 < found.error <= 1e-4
 
 
+def test_what_pressures_rest_on(tmp_path):
+    measured = tmp_path / "measured.toml"
+    measured.write_text('[array]\nrows = 2\ncolumns = 2\npitch_mm = 10\n[transducer]\nsource_pa_m = 1.25\nmeasured = "by a balance"\n')
+    assert native.Array.find(str(measured)).level == "calibrated level: 1.25 Pa·m, by a balance"
+    assert native.Array.find("tile-10x10").level.startswith("nominal level: 4 Pa·m")
+
+
 def test_a_focus_and_the_workspace():
     array = native.Array.find("tile-10x10")
     focus = native.analyze_focus(array, native.ideal_drives(array, (0.01, 0, 0.13)), (0.01, 0, 0.13))

@@ -61,6 +61,7 @@ ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Prog
     const Path places = places_of(timeline);
     const bool rests = places.steps.size() == 1;  // nothing follows it
     ImageAnalysis result;
+    result.transducer = timeline.manifest.array.transducer;
     std::size_t weak = 0;
     std::size_t short_dwells = 0;
     std::size_t unheard = 0;

@@ -43,6 +43,7 @@ struct ImageAnalysis {
     std::vector<std::string> warnings;
     PressureLeft pressure_left;  ///< by the transducers' bandwidth at this path's speed and spacing
     Loudness loudness;           ///< information computed from a model, no certification
+    Transducer transducer;       ///< what absolute pressures and forces rest on: level_text()
 };
 
 /// What each focus of what plays is like, and how loud the whole is.

@@ -8,6 +8,7 @@
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/focus_analysis.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "native.hpp"
 
 namespace haptogram::python {
@@ -209,6 +210,9 @@ void add_fields(py::module_& module) {
         .def_readonly("carrier_hz", &Array::carrier_hz)
         .def_property_readonly("wavelength_m", &Array::wavelength_m)
         .def_property_readonly("transducer", [](const Array& array) { return array.transducer.name; })
+        .def_property_readonly(
+            "level", [](const Array& array) { return level_text(array.transducer); },
+            "What pressures and forces rest on, in a sentence that begins with nominal or calibrated.")
         .def(
             "unreachable",
             [](const Array& array, const std::array<double, 3>& focus) { return array.unreachable(vec3_of(focus)); },

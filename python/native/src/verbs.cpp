@@ -8,6 +8,7 @@
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "native.hpp"
 
@@ -310,6 +311,9 @@ void add_verbs(py::module_& module) {
             "highest_db", [](const ImageAnalysis& a) { return a.loudness.highest_db; },
             "Sound on the axis, averaged over the sequence, dB SPL: a model, no certification.")
         .def_property_readonly("pressure_left_least", [](const ImageAnalysis& a) { return a.pressure_left.least; })
+        .def_property_readonly(
+            "level", [](const ImageAnalysis& a) { return level_text(a.transducer); },
+            "What pressures and forces rest on, as of an Array.")
         .def_readonly("warnings", &ImageAnalysis::warnings);
     module.def("analyze", &analyze_py, py::arg("image").none(false), py::arg("least_force_n") = least_felt_n,
                "Of an image's or a project's path, or of what was just compiled.");

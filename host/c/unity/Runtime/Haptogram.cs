@@ -221,6 +221,9 @@ namespace Haptogram
         /// <summary>What is odd about it and does no harm, a sentence a line.</summary>
         public string Warnings => TextOf(Native.haptogram_image_warnings);
 
+        /// <summary>What its pressures rest on: a nominal level, or a calibrated one.</summary>
+        public string Level => TextOf(Native.haptogram_image_level);
+
         /// <summary>The amplitude of the pressure, Pa, at x, y, z, x, y, …, while a record plays; 0: over the whole sequence.</summary>
         public double[] Pressure(ReadOnlySpan<double> pointsM, uint record = 0)
         {

@@ -181,6 +181,9 @@ namespace Haptogram
         internal static extern UIntPtr haptogram_image_warnings(Image image, IntPtr to, UIntPtr room);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern UIntPtr haptogram_image_level(Image image, IntPtr to, UIntPtr room);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern void haptogram_free_image(IntPtr image);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
