@@ -40,7 +40,7 @@ struct LiveCommand {
     std::vector<std::string> from;
     std::string algorithm = "ring", array = "tile-10x10", rig, record, scene, scene_in, settings;
     std::string low, high;
-    ObjectArguments object{.name = "cube", .size_mm = 40.0};
+    ObjectArguments object{.name = "cube"};
     std::string predict = "velocity", method = "distance-weighted";
     RigPorts ports;
     double mass_g = 0.0, distance_mm = 300.0;
@@ -303,6 +303,7 @@ int live_loop(const LiveCommand& command) {
     const auto told = [&](const live::ShotReport& shot, const live::Frame& frame, const std::optional<Path>& path) {
         if (recorder) recorder->write(std::get<DepthShot>(frame.seen));
         if (scene) scene->write(live::to_json(shot, frame, path).dump());
+        for (const std::string& news : shot.news) complain(news);
         for (const std::string& trouble : shot.troubles) complain(fmt::format("shot {}: {}", shot.number, trouble));
         return !interrupted();
     };

@@ -319,6 +319,15 @@ def test_the_scene_tells_objects_as_they_stand(tmp_path, algorithm):
         assert told["x"] == pytest.approx([0, 0, -1], abs=1e-6) and told["z"] == pytest.approx([root, root, 0], abs=1e-6)
 
 
+def test_an_object_without_a_size_is_as_large_as_render_has_it(tmp_path):
+    """100 mm, and a mesh as large as its file has it."""
+    (tmp_path / "wedge.obj").write_text("v 0 0 0\nv 50 0 0\nv 0 30 0\nv 0 0 70\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    for thing, size in (("sphere", 100), ("wedge.obj", 70)):
+        succeed(["live", "--from", "synthetic:press", "--object", thing, "--algorithm", "A", "--port", "reference:tile-100-wide", "--seconds", "0.02", "--scene", "s"], cwd=tmp_path)
+        sizes = [told["size_mm"] for shot in lines(tmp_path / "s") for told in shot["objects"]]
+        assert sizes and sizes == pytest.approx([size] * len(sizes))
+
+
 def test_the_scene_tells_a_script_and_a_mesh_that_it_moves(tmp_path):
     """A mesh that a script turns, scales and moves is told as it is felt: foci lie on its faces as told. Its file is read before, once."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 4)], float)
@@ -359,6 +368,16 @@ def test_what_the_array_reaches_is_said_first(tmp_path):
     assert "at (300, 0, 40) mm: nothing of it can be felt, the array does not reach it" in said["300,0,40"] and "off the axis" in said["300,0,40"]
     share = float(re.search(r"reaches (\d+) % of its surface", said["0,0,10"])[1])
     assert 0 < share < 75  # a quarter of it is below the array, and more is beside its reach
+
+
+def test_what_the_array_reaches_of_an_object_that_comes_later_is_said(tmp_path):
+    """Of one that a line brings, or makes another; not of one that moves."""
+    script = [{"name": "far", "object": "cube", "size_mm": 20, "center_mm": [300, 0, 40]}, {"name": "far", "center_mm": [310, 0, 40]}, {"name": "far", "size_mm": 30}]
+    (tmp_path / "script").write_text("".join(json.dumps({"time_s": 0.1 * (n + 1), **line}) + "\n" for n, line in enumerate(script)))
+    words = ["live", "--from", "synthetic:press", "--algorithm", "A", "--port", "reference:tile-100-wide", "--seconds", "0.4", "--size", "40", "--object", "sphere"]
+    said = succeed([*words, "--center", "0,0,160", "--scene-in", "script"], cwd=tmp_path).stderr.decode()
+    assert said.count("object (sphere) at (0, 0, 160) mm: the array reaches 100 %") == 1
+    assert [f"far (cube) at ({x}, 0, 40) mm: nothing of it can be felt" in said for x in (300, 310)] == [True, True] and said.count("far (cube)") == 2
 
 
 def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):

@@ -114,16 +114,23 @@ HandFeeler::HandFeeler(const Array& array, double carrier_hz, Objects objects, c
       options_(options),
       predictor_(options.predict) {
     static_cast<void>(touch(options.algorithm, {}, {}, 0.0, options.touch));  // refuses what makes no sense
+    about_ = fmt::format("{}", fmt::join(news_of(*objects_(0.0)), "\n"));
 }
 
-std::string HandFeeler::about() const {
-    const std::shared_ptr<const ObjectsNow> objects = objects_(0.0);
-    std::string words;
-    for (std::size_t i = 0; i < objects->told.size(); ++i) {
-        if (i > 0) words += '\n';
-        words += reach_of(array_, objects->told.at(i), objects->parts.at(i));
+/// What the array can do on objects that were not there before.
+std::vector<std::string> HandFeeler::news_of(const ObjectsNow& objects) {
+    std::vector<std::string> news;
+    std::map<std::string, FeltObject> now;
+    for (std::size_t i = 0; i < objects.told.size(); ++i) {
+        const FeltObject& told = objects.told.at(i);
+        const auto before = known_.find(told.name);
+        if (before == known_.end() || before->second.kind != told.kind || before->second.size_m != told.size_m ||
+            before->second.height_m != told.height_m)
+            news.push_back(reach_of(array_, told, objects.parts.at(i)));
+        now.emplace(told.name, told);
     }
-    return words;
+    known_ = std::move(now);
+    return news;
 }
 
 /// The hand where it will be when what it feels plays.
@@ -171,6 +178,7 @@ std::optional<Path> HandFeeler::feel(const Frame& frame, ShotReport& report) {
     const Touch made = touch(options_.algorithm, objects->all, skin, frame.time_s, options_.touch);
     report.foci = made.voices.size();
     report.objects = objects->told;
+    report.news = news_of(*objects);
     std::vector<std::size_t> touched;
     for (const SkinLine& line : made.lines) {
         std::vector<Vec3>& points = report.contacts.emplace_back();

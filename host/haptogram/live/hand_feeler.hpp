@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "haptogram/array/array.hpp"
@@ -41,10 +43,12 @@ public:
     HandFeeler(const Array& array, double carrier_hz, Objects objects, const HandOptions& options);
     [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;
     [[nodiscard]] ShotCounts counts() const override { return counts_; }
-    /// How much of the surface of each object that there is at first the array reaches, and how strongly.
-    [[nodiscard]] std::string about() const override;
+    /// How much of the surface of each object that there is at first the array reaches, and how strongly. Of one that
+    /// comes later, or is of another kind or size than before, feel() says it.
+    [[nodiscard]] std::string about() const override { return about_; }
 
 private:
+    [[nodiscard]] std::vector<std::string> news_of(const ObjectsNow& objects);
     [[nodiscard]] Hand ahead(Hand hand, double time_s);
     [[nodiscard]] Path pass_of(const Touch& touch, ShotReport& report);
 
@@ -53,6 +57,8 @@ private:
     Objects objects_;
     HandOptions options_;
     Predictor predictor_;
+    std::map<std::string, FeltObject> known_;  ///< of which it was said what the array reaches
+    std::string about_;
     ShotCounts counts_;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <iterator>
 
 namespace haptogram::live {
 namespace {
@@ -95,6 +96,7 @@ void Pipeline::compute() {
         felt.report.compute_s = thread_processor_s() - began_s;
         const std::lock_guard lock(mutex_);
         counts_ = feeler_.counts();
+        std::ranges::move(felt.report.news, std::back_inserter(news_));
         felt_ = std::move(felt);
     }
     const std::lock_guard lock(mutex_);
@@ -120,6 +122,8 @@ std::optional<Path> Pipeline::feel(const Frame& /*frame*/, ShotReport& report) {
     ShotReport felt = std::move(taken_->report);
     felt.troubles.insert(felt.troubles.begin(), report.troubles.begin(), report.troubles.end());
     report = std::move(felt);
+    const std::lock_guard lock(mutex_);
+    report.news = std::exchange(news_, {});
     return std::move(taken_->path);
 }
 

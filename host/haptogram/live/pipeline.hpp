@@ -5,8 +5,10 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "haptogram/link/clock.hpp"
 #include "haptogram/live/frame.hpp"
@@ -56,6 +58,7 @@ private:
     bool computed_ = false;      ///< and all that came of it is computed
     std::exception_ptr trouble_;
     ShotCounts counts_;
+    std::vector<std::string> news_;  ///< also of frames that a newer one has replaced
     std::thread tracking_, computing_;
 };
 

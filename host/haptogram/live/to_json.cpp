@@ -103,7 +103,7 @@ Json to_json(const ShotReport& shot, const Frame& frame, const std::optional<Pat
         Json& points = contacts.emplace_back(Json::array());
         for (const Vec3& p : line) points.push_back(in_mm(p));
     }
-    return {{"scene", newest_scene_version},
+    return {{"scene", scene_version},
             {"shot", shot.number},
             {"time_s", shot.time_s},
             {"points", shot.points},

@@ -3,8 +3,8 @@
 
 namespace haptogram {
 
-/// Of the lines in which a live session tells its scenes. Triggers read their hands, which are in all versions from
-/// scene_version (trigger_table.hpp) on the same; 2 tells all objects.
-inline constexpr int newest_scene_version = 2;
+/// Of the lines in which a live session tells its scenes: 2 tells all objects. Triggers read the hands, which are the
+/// same from version 1 on.
+inline constexpr int scene_version = 2, oldest_scene_version = 1;
 
 }  // namespace haptogram

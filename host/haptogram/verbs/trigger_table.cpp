@@ -174,9 +174,9 @@ std::vector<std::size_t> TriggerLines::fired(std::string_view line, const std::s
     if (line.starts_with('{')) try {
             const nlohmann::json scene = nlohmann::json::parse(line);
             const nlohmann::json& version = scene.at("scene");
-            if (!version.is_number_integer() || version < scene_version || version > newest_scene_version)
+            if (!version.is_number_integer() || version < oldest_scene_version || version > scene_version)
                 throw bad_input(where, fmt::format("found a scene of version {}, expected {} to {}", version.dump(),
-                                                   scene_version, newest_scene_version));
+                                                   oldest_scene_version, scene_version));
             for (std::size_t i = 0; i < triggers_.size(); ++i) {
                 if (triggers_[i].on != Trigger::On::region) continue;
                 const bool before = inside_[i];

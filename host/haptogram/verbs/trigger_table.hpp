@@ -15,9 +15,6 @@
 
 namespace haptogram {
 
-/// Of the lines in which a live session tells its scenes, which triggers hear of.
-inline constexpr int scene_version = 1;
-
 /// What starts a part of what is played: a table under [[trigger]] of a project.
 struct Trigger {
     enum class On { pin, key, line, region };
