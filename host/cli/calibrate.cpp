@@ -430,7 +430,7 @@ void add_calibrate(CLI::App& app, Action& action) {
     auto fit = std::make_shared<CalibrateCommand>();
     sub = calibrate_app->add_subcommand("fit", "The calibration, from recordings of the code");
     sub->add_option("recordings", fit->recordings,
-                    "Sound files of one channel, 96 kHz or more (.wav, .flac), an oscilloscope's .csv of time and "
+                    "Sound files of one channel, 96 kHz or more (.wav), an oscilloscope's .csv of time and "
                     "voltage, a .csv index,reading of the records of code --steps, or a scanning stage's .csv "
                     "x_mm,y_mm,z_mm,index,re,im of the code's records, or ,reading of those of code --steps; those of "
                     "a code's parts joined by commas")

@@ -9,11 +9,11 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <sndfile.hh>
 #include <string_view>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/format/waveform.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -131,20 +131,8 @@ std::optional<Scan> read_scan(const std::string& file) {
 
 Recording read_recording(const std::string& file) {
     if (ending_of(file) == ".csv") return read_csv(file);
-    SndfileHandle sound(file);
-    if (sound.error() != SF_ERR_NO_ERROR)
-        throw bad_input(file, fmt::format("no sound file that can be read: {} Take .wav, .flac, or the .csv of an "
-                                          "oscilloscope.",
-                                          sound.strError()));
-    if (sound.channels() != 1)
-        throw bad_input(file, fmt::format("{} channels; keep the microphone's alone (sox {} one.wav remix 1)",
-                                          sound.channels(), file));
-    Recording recording{file, static_cast<double>(sound.samplerate()),
-                        std::vector<double>(static_cast<std::size_t>(sound.frames()))};
-    const sf_count_t read = sound.readf(recording.samples.data(), sound.frames());
-    if (read != sound.frames())
-        throw bad_input(file, fmt::format("it ends after {} of {} samples; record it again", read, sound.frames()));
-    return recording;
+    Wave wave = wave_from_wav(read_file(file), file);
+    return {file, wave.rate_hz, std::move(wave.samples)};
 }
 
 }  // namespace haptogram::cli

@@ -10,8 +10,8 @@
 
 namespace haptogram::cli {
 
-/// Reads a recording: a sound file with one channel, as libsndfile knows it (.wav, .flac, …), or an oscilloscope's CSV:
-/// lines of time in seconds and voltage, at even times, after any lines that begin with no number.
+/// Reads a recording: a WAV file with one channel, or an oscilloscope's CSV: lines of time in seconds and voltage, at
+/// even times, after any lines that begin with no number.
 /// @throws Error{bad_input} naming the file, and the line
 [[nodiscard]] Recording read_recording(const std::string& file);
 

@@ -469,12 +469,12 @@ def test_what_no_fit_can_mend_is_refused(code, tmp_path):
         ("slow.wav", sound, 48000, "48000 samples a second cannot hold 40000 Hz; record at 96000 Hz"),
         ("short.wav", sound[: rate // 2], rate, "it is 0.50 s long, and one pass of the code 1.02 s"),
         ("noise.wav", np.random.default_rng(SEED).integers(-(2**30), 2**30, len(sound), dtype=np.int32), rate, "something else, or noise"),
-        ("two.wav", np.stack([sound, sound], axis=1), rate, "2 channels; keep the microphone's alone"),
+        ("two.wav", np.stack([sound, sound], axis=1), rate, "2 channels, expected one; keep one of them"),
     ):
         wavfile.write(tmp_path / name, at_rate, changed)
         refuse(tmp_path, ["calibrate", "fit", name, "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, said, outputs=["tile.toml"])
     (tmp_path / "page.wav").write_text("no sound")
-    refuse(tmp_path, ["calibrate", "fit", "page.wav", "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, "no sound file that can be read", outputs=["tile.toml"])
+    refuse(tmp_path, ["calibrate", "fit", "page.wav", "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, "not a WAV file", outputs=["tile.toml"])
 
 
 def test_coarse_steps_of_a_converter_are_not_clipping(code, tmp_path):

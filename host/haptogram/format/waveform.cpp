@@ -312,7 +312,9 @@ Wave wave_from_wav(std::string_view bytes, const std::string& where) {
                                                    "float",
                                                    coding, bits));
             if (channels != 1)
-                throw bad_input(where, fmt::format("{} channels; expected one; mix it down to mono", channels));
+                throw bad_input(where,
+                                fmt::format("{0} channels, expected one; keep one of them (sox {1} one.wav remix 1)",
+                                            channels, where));
             if (!(wave.rate_hz > 0.0)) throw bad_input(where, "a rate of 0 samples a second");
             const std::size_t width = bits / 8U;
             for (std::size_t i = 0; i + width <= size; i += width) {
