@@ -94,6 +94,9 @@ module focus_engine #(
         valid_2_q <= valid_1_q && !rst;
     end
 
+    // What corrects elements, the offset and the lack, costs 9 LUTs, 5 carry cells of two, a multiplier and 376 flip-flops of an ECP5:
+    // yosys -p "read_verilog -Irtl rtl/*.v; chparam -set CHANNELS 100 focus_engine; synth_ecp5 -top focus_engine; stat"
+    // and again with 8'd0 for place_q[63:56] and place_q[55:48]. Boards of timings have it in their records, for nothing.
     wire        phase_valid, phase_far, first, last, whole;
     wire [15:0] phase;
     wire [7:0]  amplitude;

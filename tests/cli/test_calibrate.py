@@ -564,6 +564,18 @@ def test_a_board_of_few_records_plays_the_code_in_parts(tmp_path):
     refuse(tmp_path, ["calibrate", "code", *board, "--part", "1/2", "-o", "x.hex"], BAD_INPUT, "128 records a part", "1/3 to 3/3", outputs=["x.hex"])
 
 
+def test_a_board_of_fewer_records_than_any_part_has_the_meter_left(tmp_path):
+    (tmp_path / "few.toml").write_text('[array]\nrows = 10\ncolumns = 10\npitch_mm = 10\n[board]\nconfiguration = "tile-100"\nrecords = 16\n')
+    few = ["--array", "./few.toml"]
+    refuse(tmp_path, ["calibrate", "code", *few, "-o", "x.hex"], BAD_INPUT, "the board holds 16", "fewer than 32", "--steps", outputs=["x.hex"])
+    steps = ["calibrate", "code", *few, "--steps=0,0,150"]
+    refuse(tmp_path, [*steps, "-o", "x.hex"], BAD_INPUT, "--part 1/25 to 25/25", outputs=["x.hex"])
+    succeed([*steps, "--part", "25/25", "-o", "steps.hex"], cwd=tmp_path)
+    assert len(Image.load(str(tmp_path / "steps.hex")).records) == 16
+    (tmp_path / "fewest.toml").write_text((tmp_path / "few.toml").read_text().replace("16", "3"))
+    refuse(tmp_path, ["calibrate", "code", "--array", "./fewest.toml", "--steps=0,0,150", "-o", "x.hex"], BAD_INPUT, "board that holds more", outputs=["x.hex"])
+
+
 RECORDER = """#!{python}
 import os, sys
 options = dict(word.lstrip("-").split("=", 1) for word in sys.argv[1:-1] if "=" in word)

@@ -165,8 +165,9 @@ std::optional<std::size_t> fewest_parts(const Core& core, std::size_t from, std:
 }
 
 /// @param fewest  parts that the core holds
+/// @param otherwise  what helps when there is no number of them
 void require_held(const Array& array, const Core& core, CodePart part, std::size_t records,
-                  std::optional<std::size_t> fewest) {
+                  std::optional<std::size_t> fewest, const char* otherwise) {
     if (fewest == part.of) return;
     throw bad_input(
         core.name,
@@ -176,8 +177,12 @@ void require_held(const Array& array, const Core& core, CodePart part, std::size
                     fewest ? fmt::format("make it in {0} parts, of which each is played and recorded: --part 1/{0} to "
                                          "{0}/{0}",
                                          *fewest)
-                           : "calibrate the array on a board that holds more"));
+                           : otherwise));
 }
+
+constexpr const char* of_few_records =
+    "no part of the code has fewer than 32: read a meter of amplitudes (calibrate code --steps), which takes 4, or "
+    "calibrate the array on a board that holds more";
 
 /// Of the largest part.
 std::size_t patterns_of(const Array& array, std::size_t parts) {
@@ -265,12 +270,13 @@ std::vector<std::size_t> elements_of_part(const Array& array, CodePart part) {
 
 std::size_t parts_of_code(const Array& array, const Core& core) {
     const std::optional<std::size_t> fewest = fewest_parts_of_code(array, core, 1);
-    if (!fewest) require_held(array, core, {}, patterns_of(array, 1), fewest);
+    if (!fewest) require_held(array, core, {}, patterns_of(array, 1), fewest, of_few_records);
     return *fewest;
 }
 
 Image calibration_image(const Array& array, const Core& core, CodePart part) {
-    require_held(array, core, part, patterns_of(array, part.of), fewest_parts_of_code(array, core, part.of));
+    require_held(array, core, part, patterns_of(array, part.of), fewest_parts_of_code(array, core, part.of),
+                 of_few_records);
     const std::vector<std::size_t> elements = elements_of_part(array, part);
     const CalibrationCode code(elements.size(), part.number);
     const Timer timer = choose_timer(array, core);
@@ -353,7 +359,8 @@ Image steps_image(const Array& array, const Core& core, Vec3 microphone, CodePar
         throw bad_argument("part", fmt::format("{} elements cannot be shared out to {} parts", count, part.of));
     require_channels(array, core);
     const auto records_of = [&](std::size_t parts) { return 4 * ((count + parts - 1) / parts); };
-    require_held(array, core, part, records_of(part.of), fewest_parts(core, part.of, count, records_of));
+    require_held(array, core, part, records_of(part.of), fewest_parts(core, part.of, count, records_of),
+                 "calibrate the array on a board that holds more");
     const Timer timer = choose_timer(array, core);
     const std::vector<std::uint16_t> focused = focal_law(array, timer, {&microphone, 1});
     const std::vector<bool> steady = steady_elements(array);
