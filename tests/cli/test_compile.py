@@ -336,7 +336,7 @@ def test_a_fade_moves_with_its_shape_and_says_what_it_cannot_be(tmp_path):
     (tmp_path / "none.toml").write_text(ring.replace("right:0.5", "x:0.5"))
     refuse(tmp_path, ["compile", "none.toml"], BAD_INPUT, r"none\.toml:4", "fade", "left:0.5")
     circle = ["compile", "--shape", "circle"]
-    for wrong in ("left", "-x:0.5", "up:0.5", "left:1", "left:-0.1", "left:nan", "left:0.5mm", "left:"):
+    for wrong in ("left", "-x:0.5", "up:0.5", "left:1", "left:-0.1", "left:nan", "left:0.5mm", "left:", "left:1E-1", "left:9.9e-0", "left:0.1234567", "left:00.5"):
         refuse(tmp_path, [*circle, f"--fade={wrong}"], USAGE, "--fade", f"found '{wrong}'", "such as left:0.5")
     refuse(tmp_path, [*circle, "--fade", "below:0.5"], USAGE, "fade", "no extent along z")
     refuse(tmp_path, [*circle, "--fade", "left:0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "fade", "leave one of them out")

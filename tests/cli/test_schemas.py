@@ -192,6 +192,7 @@ BROKEN_PROJECTS = {
     "an amplitude above 1": put(1.5, "amplitude"),
     "another law": put("loudness", "am_law"),
     "a fade to no side": put("x:0.5", "fade"),
+    "a fade with an exponent": put("left:9.9e-1", "fade"),
     "another image": put("pulses", "image"),
     "another grid": put("levels", "quantise"),
     "more loops than a board counts": put(65536, "loops"),

@@ -19,20 +19,31 @@ constexpr std::string_view sides[] = {"left", "right", "front", "back", "below",
 
 double along(Vec3 point, std::size_t axis) { return axis == 0 ? point.x : axis == 1 ? point.y : point.z; }
 
+/// What fade_pattern says of a share: "0", or a point and up to six digits.
+bool is_share(std::string_view text) {
+    if (text == "0") return true;
+    if (text.starts_with('0')) text.remove_prefix(1);
+    return text.size() >= 2 && text.size() <= 7 && text[0] == '.' &&
+           std::all_of(text.begin() + 1, text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
 }  // namespace
 
 std::optional<Fade> fade_of(std::string_view text) {
     const std::size_t colon = text.find(':');
     if (colon == std::string_view::npos) return {};
     const auto* const side = std::find(std::begin(sides), std::end(sides), text.substr(0, colon));
-    const std::optional<double> share = parse_number(text.substr(colon + 1));
-    if (side == std::end(sides) || !share || !(*share >= 0.0 && *share < 1.0)) return {};
+    const std::string_view share = text.substr(colon + 1);
+    if (side == std::end(sides) || !is_share(share)) return {};
     const auto place = static_cast<std::size_t>(side - std::begin(sides));
-    return Fade{.axis = place / 2, .from_upper = place % 2 == 1, .share = *share};
+    return Fade{.axis = place / 2, .from_upper = place % 2 == 1, .share = parse_number(share).value()};
 }
 
 std::string to_text(const Fade& fade) {
-    return fmt::format("{}:{}", sides[2 * fade.axis + (fade.from_upper ? 1 : 0)], fade.share);
+    std::string share = fmt::format("{:.6f}", fade.share);
+    share.erase(share.find_last_not_of('0') + 1);
+    if (share.ends_with('.')) share.pop_back();
+    return fmt::format("{}:{}", sides[2 * fade.axis + (fade.from_upper ? 1 : 0)], share);
 }
 
 void apply(const Fade& fade, const Box& box, Path& path) {

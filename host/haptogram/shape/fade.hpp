@@ -15,14 +15,13 @@ namespace haptogram {
 struct Fade {
     std::size_t axis = 0;    ///< x, y or z
     bool from_upper = true;  ///< strongest at the upper end of the axis, or at the lower one
-    double share = 0.0;      ///< of the amplitude, at the other end: 0 to below 1
+    double share = 0.0;      ///< of the amplitude, at the other end: 0 to below 1, in millionths
     friend constexpr bool operator==(const Fade&, const Fade&) = default;
 };
 
 inline constexpr std::string_view fade_form =
-    "the strongest side and the share of the amplitude at the other, 0 to below 1, such as left:0.5";
-inline constexpr std::string_view fade_pattern =
-    "^(left|right|front|back|below|above):(0|0?\\.[0-9]+|[0-9.]+e-[0-9]+)$";
+    "the strongest side and the share of the amplitude at the other, 0 to .999999, such as left:0.5";
+inline constexpr std::string_view fade_pattern = "^(left|right|front|back|below|above):(0|0?\\.[0-9]{1,6})$";
 
 /// @param text  such as "left:0.5": strongest where x is least, half the amplitude where it is most; front is where y
 /// is least

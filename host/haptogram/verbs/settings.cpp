@@ -174,7 +174,7 @@ constexpr Setting of_projects[] = {
          for_drawn),
     with(of<&Project::even>("even", "--even", Flag{},
                             "Choose dwells that make all points feel alike, with what the foci add to each other, "
-                            "instead of equal ones"),
+                            "instead of equal ones; each point keeps at least a third of an equal one"),
          for_shapes),
     of<&Project::am>("am", "--am", FileOrName{},
                      "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, sawtooth:HZ, "
