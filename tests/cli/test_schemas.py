@@ -82,7 +82,7 @@ def also(change, *more):
 
 def test_they_are_schemas_and_the_index_has_them():
     index = (ROOT / "docs/README.md").read_text(encoding="utf-8")
-    assert set(SCHEMAS) == {"path", "manifest", "rig", "rig-manifest", "project", "simulation-report"}
+    assert set(SCHEMAS) == {"path", "manifest", "rig", "rig-manifest", "project", "scene", "simulation-report"}
     for name, schema in SCHEMAS.items():
         Draft202012Validator.check_schema(schema)
         assert schema["$id"].startswith(f"urn:haptogram:{name}") and f"(schemas/{name}.schema.json)" in index
@@ -150,6 +150,20 @@ def test_reports_of_simulations(folder):
     shared = {key: one[key] for key in SCHEMAS["simulation-report"]["required"]}
     assert wrong("simulation-report", {**shared, **rig}) == []
     assert wrong("simulation-report", {**shared, **rig, "period": -1}) and wrong("simulation-report", {**shared, **rig, "records": []}) and wrong("simulation-report", shared)
+
+
+@pytest.mark.parametrize("algorithm, members", [("A", ["contacts_mm"]), ("ring", ["sections"])])
+def test_lines_of_live_sessions(tmp_path, algorithm, members):
+    script = [{"time_s": 0.1, "name": "other", "object": "cone", "size_mm": 30, "height_mm": 20, "center_mm": [0, 40, 160]}]
+    (tmp_path / "script").write_text("".join(json.dumps(line) + "\n" for line in script))
+    words = ["live", "--from", "synthetic:press", "--object", "sphere", "--size", 80, "--center", "0,40,160", "--algorithm", algorithm]
+    more = ["--scene-in", "script"] if algorithm == "A" else []
+    succeed([*words, *more, "--port", "reference:tile-100-wide", "--seconds", 0.4, "--scene", "lines"], cwd=tmp_path, timeout=120)
+    lines = [json.loads(line) for line in (tmp_path / "lines").read_text().splitlines()]
+    assert [complaint for line in lines for complaint in wrong("scene", line)] == []
+    full = next(line for line in lines if all(line[key] for key in ("hands", "foci", "objects", *members)))
+    for change in (put(1, "scene"), put(2, "hand"), without("objects", 0, "name"), put([0, 0], "objects", 0, "center_mm"), without("hands", 0, "fingers_mm", 0, 0), put(1.5, "foci", 0, 3), put(None, "force_n")):
+        assert wrong("scene", changed(full, change))
 
 
 PATH = {"format": "haptogram-path-1", "carrier_hz": 40000, "steps": [{"periods": 40, "foci": [{"position_mm": [0, 0, 130], "amplitude": 1}]}], "modulation": {"periods_a_sample": 1, "samples": [1, 0]}}
