@@ -89,6 +89,7 @@ int lift_cubes(const TaskCommand& command) {
         live::LiftOptions options;
         options.cameras = cameras_of(command, trial);
         options.seen = !command.hidden;
+        options.person_seed = command.seed * 1'000'003U + trial;
         options.felt = command.felt == "dynamic"  ? live::Felt::dynamic
                        : command.felt == "static" ? live::Felt::still
                                                   : live::Felt::nothing;
@@ -99,10 +100,11 @@ int lift_cubes(const TaskCommand& command) {
         options.turn_deg = command.turn_deg.value_or(options.turn_deg);
         const live::LiftReport one = live::lift(array, options);
         report.tell(fmt::format(
-            "trial {:<5} cube of {:.0f} mm at ({:.0f}, {:.0f}) mm, turned by {:.0f}°: {} after {:.2f} s; "
+            "trial {:<5} cube of {:.0f} mm at ({:.0f}, {:.0f}) mm, turned by {:.0f}°: {} after {:.2f} s, try {}; "
             "{:.1f} mm high, {:.2f} N holding, {:.2f} N at most",
             trial, 1e3 * options.edge_m, 1e3 * options.x_m, 1e3 * options.y_m, options.turn_deg,
-            one.done ? "lifted" : "not lifted", one.time_s, 1e3 * one.lifted_m, one.mean_force_n, one.most_force_n));
+            one.done ? "lifted" : "not lifted", one.time_s, one.tries, 1e3 * one.lifted_m, one.mean_force_n,
+            one.most_force_n));
         made_j = std::max(made_j, one.energy_made_j);
         if (one.done) {
             time_s.add(one.time_s);
@@ -176,7 +178,7 @@ void add_task(CLI::App& app, Action& action) {
     CLI::App* lift = task->add_subcommand("lift", "Two fingers lift a cube by 50 mm for 1.5 s");
     add_shared(*lift, *options);
     lift->add_flag("--hidden", options->hidden, "The hand does not see the cube");
-    lift->add_option("--felt", options->felt, "What the fingers feel")
+    lift->add_option("--felt", options->felt, "What is played at the fingers, which feel it by their skin")
         ->check(CLI::IsMember({"dynamic", "static", "none"}))
         ->capture_default_str();
     lift->add_option("--cameras", options->cameras, "Around the room; 1: below it")

@@ -28,39 +28,52 @@ struct Pinch {
         const double sign = side == 0 ? -1.0 : 1.0;
         return sign * Vec3{std::cos(angle), std::sin(angle), 0.0};
     }
+    [[nodiscard]] FingerForm form(std::size_t side) const {
+        return {middle + (out_m.at(side) + lifted_radius_m) * way(side), way(side), lifted_radius_m};
+    }
     [[nodiscard]] std::vector<RoundedBody> bodies() const {
         std::vector<RoundedBody> fingers;
         for (const std::size_t side : {0U, 1U}) {
-            const Vec3 along = way(side);
-            fingers.push_back({middle + (out_m.at(side) + lifted_radius_m + 0.5 * lifted_length_m) * along,
-                               0.5 * lifted_length_m * along,
-                               {},
-                               lifted_radius_m});
+            const FingerForm finger = form(side);
+            const Vec3 half = 0.5 * lifted_length_m * finger.to_hand;
+            fingers.push_back({finger.tip + half, half, {}, lifted_radius_m});
         }
         return fingers;
     }
 };
 
+/// What one finger gets to know.
+struct Touched {
+    bool seen = false;         ///< that it is in the cube
+    std::optional<Vec3> felt;  ///< where on it something is felt
+};
+using Touches = std::array<Touched, 2>;
+
 /// What the hand does next, shot by shot.
 class Lifter {
 public:
     Lifter(const LiftOptions& options, Vec3 cube) : options_(options) {
-        pinch_.middle = cube + Vec3{0, 0, above_middle_m};
+        start_.middle = cube + Vec3{0, 0, above_middle_m};
         if (options.seen)
-            pinch_.angle = std::remainder(options.turn_deg * std::numbers::pi / 180.0, 0.5 * std::numbers::pi);
+            start_.angle = std::remainder(options.turn_deg * std::numbers::pi / 180.0, 0.5 * std::numbers::pi);
         else
-            pinch_.middle.x = pinch_.middle.y = 0.0;
-        pinch_.out_m = {options.guess_m, options.guess_m};
+            start_.middle.x = start_.middle.y = 0.0;
+        start_.out_m = {options.guess_m, options.guess_m};
+        pinch_ = start_;
     }
     [[nodiscard]] const Pinch& pinch() const { return pinch_; }
+    [[nodiscard]] std::size_t tries() const { return tries_; }
 
-    /// @param touches  normals into the faces that each finger feels, or sees that it touches
-    void step(double seconds, const std::array<std::optional<Vec3>, 2>& touches) {
+    /// @param lifted_m  of the cube, which is seen as soon as it is above the wall
+    void step(double seconds, const Touches& touches, double lifted_m) {
         for (const std::size_t side : {0U, 1U})
-            if (touches.at(side) && !met_.at(side)) meet(side, *touches.at(side));
-        if (!(met_[0] && met_[1])) {
+            if ((touches.at(side).felt || touches.at(side).seen) && !met_.at(side)) meet(side);
+        if (looking_) {
+            look(touches.at(*looking_).felt);
+        } else if (!(met_[0] && met_[1])) {
             for (const std::size_t side : {0U, 1U})
                 if (!met_.at(side)) close(side, seconds);
+            if (pinch_.out_m[0] + pinch_.out_m[1] <= 0.0) again();
         } else if (squeezed_m_ < options_.squeeze_m) {
             const double more = std::min(options_.closing_m_s * seconds, options_.squeeze_m - squeezed_m_);
             squeezed_m_ += more;
@@ -69,9 +82,10 @@ public:
             const double more = std::min(options_.lifting_m_s * seconds, rise_m - risen_m_);
             risen_m_ += more;
             pinch_.middle.z += more;
+        } else if (lifted_m < options_.lift_m) {
+            again();
         }
     }
-    [[nodiscard]] bool risen() const { return risen_m_ >= rise_m; }
 
 private:
     [[nodiscard]] bool blind() const { return options_.felt == Felt::nothing && !options_.seen; }
@@ -82,20 +96,48 @@ private:
         if (blind() && out <= blind_width_m) met_.at(side) = true;
     }
 
-    void meet(std::size_t side, Vec3 inward) {
-        if (blind()) return;
+    void meet(std::size_t side) {
         met_.at(side) = true;
-        if (options_.seen || options_.felt != Felt::dynamic || met_.at(1 - side)) return;
-        // The hand turns about the fingertip that touches, until its fingers are square to the face.
-        const Vec3 tip = pinch_.middle + pinch_.out_m.at(side) * pinch_.way(side);
-        const Vec3 towards = side == 0 ? inward : -1.0 * inward;
-        pinch_.angle = std::atan2(towards.y, towards.x);
-        pinch_.middle = tip - pinch_.out_m.at(side) * pinch_.way(side);
+        if (options_.seen || met_.at(1 - side)) return;
+        looking_ = side;
+        looks_ = felts_ = 0;
+        across_m_ = 0.0;
+    }
+
+    /// Feels once more how the face lies.
+    void look(const std::optional<Vec3>& felt) {
+        const std::size_t side = *looking_;
+        if (felt) {
+            const FingerForm finger = pinch_.form(side);
+            across_m_ += dot(*felt - finger.tip, cross({0, 0, 1}, finger.to_hand));
+            ++felts_;
+        }
+        if (++looks_ < options_.looks) return;
+        looking_.reset();
+        // The sound wraps the finger, so that how far to the front something is felt tells little: across it, it lies
+        // on the skin.
+        const FingerForm finger = pinch_.form(side);
+        const double sine = felts_ > 0 ? across_m_ / static_cast<double>(felts_) / finger.radius : 0.0;
+        if (!(std::abs(sine) < 1.0)) return;
+        pinch_.angle -= std::asin(sine);
+        pinch_.middle = finger.tip - (pinch_.out_m.at(side) + finger.radius) * pinch_.way(side);
+    }
+
+    /// Begins anew.
+    void again() {
+        ++tries_;
+        pinch_ = start_;
+        met_ = {};
+        looking_.reset();
+        squeezed_m_ = risen_m_ = 0.0;
     }
 
     LiftOptions options_;
-    Pinch pinch_;
+    Pinch start_, pinch_;
     std::array<bool, 2> met_{};
+    std::optional<std::size_t> looking_;  ///< the finger that stays to feel how the face lies
+    std::size_t looks_ = 0, felts_ = 0, tries_ = 1;
+    double across_m_ = 0.0;  ///< the sum of where it feels, across the finger
     double squeezed_m_ = 0.0, risen_m_ = 0.0;
 };
 
@@ -106,6 +148,7 @@ LiftOptions placed(LiftOptions options) {
     positive("edge", options.edge_m);
     positive("lift", options.lift_m);
     positive("hold", options.hold_s);
+    positive("looks", static_cast<double>(options.looks));
     positive("limit of time", options.at_most_s);
     positive("speed", std::min(options.closing_m_s, options.lifting_m_s));
     SceneOptions& scene = options.fingers.scene;
@@ -121,22 +164,28 @@ LiftOptions placed(LiftOptions options) {
     return options;
 }
 
-/// Which faces the fingers feel by rings, or, when they feel nothing, are seen to touch.
-std::array<std::optional<Vec3>, 2> touches_of(const LiftOptions& options, const Pinch& pinch, const ShotReport& report,
-                                              const TouchScene& scene) {
-    std::array<std::optional<Vec3>, 2> touches;
-    const auto note = [&](Vec3 place, Vec3 normal) {  // of either sign; a finger comes from outside
-        const std::size_t side = dot(place - pinch.middle, pinch.way(1)) < 0.0 ? 0 : 1;
-        touches.at(side) = dot(normal, pinch.way(side)) < 0.0 ? normal : -1.0 * normal;
-    };
-    if (options.felt == Felt::nothing) {
-        if (options.seen)
-            for (const SceneFinger& finger : scene.fingers()) note(finger.surface, finger.inward);
-    } else {
-        for (const Ellipse& section : report.sections) note(section.centre, section.normal);
+/// What each finger feels of what is played, and what is seen of it.
+class Person {
+public:
+    Person(const Array& array, const LiftOptions& options)
+        : options_(options), sense_(array, options.sense), random_(options.person_seed) {}
+    [[nodiscard]] Touches touches_of(const Pinch& pinch, const std::optional<Path>& path, const TouchScene& scene) {
+        Touches touches;
+        if (options_.seen)
+            for (const SceneFinger& finger : scene.fingers())
+                touches.at(dot(finger.surface - pinch.middle, pinch.way(1)) < 0.0 ? 0 : 1).seen = true;
+        if (options_.felt != Felt::nothing && path)
+            for (const std::size_t side : {0U, 1U})
+                if (const auto sensed = sense_.feel(*path, pinch.form(side), random_))
+                    touches.at(side).felt = sensed->place;
+        return touches;
     }
-    return touches;
-}
+
+private:
+    LiftOptions options_;
+    SkinSense sense_;
+    std::mt19937_64 random_;
+};
 
 }  // namespace
 
@@ -157,6 +206,7 @@ LiftReport lift(const Array& array, const LiftOptions& given, const std::functio
     const std::vector<DepthCamera> cameras = cameras_of(options.cameras);
     const Vec3 begin = rings.scene().object().origin;
     Lifter hand(options, begin);
+    Person person(array, options);
     const double step_s = 1.0 / options.cameras.rate_hz;
     LiftReport report;
     double lowest = HUGE_VAL, up_since = -1.0, force_sum = 0.0;
@@ -168,13 +218,14 @@ LiftReport lift(const Array& array, const LiftOptions& given, const std::functio
         ShotReport now;
         now.number = report.shots;
         now.time_s = time_s;
-        (void)rings.take(cameras, shot, now);
+        const std::optional<Path> path = rings.take(cameras, shot, now);
         if (told) told(now);
         if (now.fingers > 0) {
             if (!touched) touched = time_s;
             ++report.touched_shots;
-            if (options.felt != Felt::nothing && !now.sections.empty()) ++report.felt_shots;
         }
+        const Touches touches = person.touches_of(hand.pinch(), path, rings.scene());
+        if (now.fingers > 0 && (touches[0].felt || touches[1].felt)) ++report.felt_shots;
         const double balance = rings.scene().energy() - rings.scene().work();
         lowest = std::min(lowest, balance);
         report.energy_made_j = std::max(report.energy_made_j, balance - lowest);
@@ -190,10 +241,11 @@ LiftReport lift(const Array& array, const LiftOptions& given, const std::functio
             report.done = time_s - up_since >= options.hold_s;
         }
         if (touched) report.time_s = time_s - *touched;
-        hand.step(step_s, touches_of(options, hand.pinch(), now, rings.scene()));
+        hand.step(step_s, touches, lifted);
     }
     report.first_touch_s = touched.value_or(0.0);
     report.mean_force_n = held > 0 ? force_sum / static_cast<double>(held) : 0.0;
+    report.tries = hand.tries();
     report.counts = rings.counts();
     return report;
 }

@@ -6,14 +6,15 @@
 #include <random>
 
 #include "haptogram/live/shot_rings.hpp"
+#include "haptogram/live/skin_sense.hpp"
 #include "haptogram/live/source.hpp"
 
 namespace haptogram::live {
 
 /// What the fingers get to feel.
 enum class Felt {
-    dynamic,  ///< rings: that a finger touches, and how the face lies
-    still,    ///< the still focus: that it touches
+    dynamic,  ///< rings
+    still,    ///< the still focus
     nothing,
 };
 
@@ -32,6 +33,9 @@ struct LiftOptions {
     double guess_m = 60e-3;      ///< between the fingertips and the middle, when they begin to close
     double closing_m_s = 60e-3;  ///< speed of each finger
     double lifting_m_s = 80e-3;
+    std::size_t looks = 3;  ///< shots in which a finger feels where on it the face is, before the hand turns
+    SenseOptions sense{};
+    std::uint64_t person_seed = 1;  ///< of what is felt by chance
 };
 
 /// Draws a cube as the paper does, at random: 30 to 50 mm, in any place of the floor and at any angle. A hidden one
@@ -43,7 +47,8 @@ struct LiftReport {
     bool done = false;
     std::uint64_t shots = 0;
     std::uint64_t touched_shots = 0;  ///< of these, in which a finger touched the cube
-    std::uint64_t felt_shots = 0;     ///< of those, in which it felt a ring or a focus
+    std::uint64_t felt_shots = 0;     ///< of those, in which the skin of one felt something
+    std::size_t tries = 1;            ///< how often the fingers closed
     double first_touch_s = 0.0;       ///< of the cube by any finger
     double time_s = 0.0;              ///< from then to the end of the task
     double lifted_m = 0.0;            ///< at most
@@ -53,14 +58,15 @@ struct LiftReport {
     ShotCounts counts;
 };
 
-/// A hand of two opposite fingers that carries out the task by a script. It sees what it is doing only through the
-/// simulated cameras and the scene, as a person's would:
-/// - A seen cube: it closes the fingers on the cube's middle, across two opposite faces, until it feels both, or, when
-/// it
-///   feels nothing, until it sees them in, and then by `squeeze_m` more. It lifts and holds.
-/// - A hidden cube: it closes along x about the room's middle. A finger that feels waits for the other one. The dynamic
-///   focus tells how the face lies, and the fingers turn about the one that touches so that they meet it squarely. One
-///   that feels nothing closes to half of the smallest cube's width.
+/// A hand of two opposite fingers that carries out the task by a script. It feels by the skin (skin_sense.hpp) and, of
+/// a seen cube, sees through the simulated cameras and the scene:
+/// - A seen cube: it closes the fingers on the cube's middle, across two opposite faces, until it feels or sees each of
+///   them in, and then by `squeeze_m` more. It lifts and holds.
+/// - A hidden cube: it closes along x about the room's middle. The first finger that feels stays for `looks` shots: the
+///   face is taken to lie across the way from the middle of the round fingertip to where it is felt, and the hand turns
+///   about that fingertip so that it meets the face squarely. Then the other one closes. With nothing to feel, both
+///   close to half of the smallest cube's width.
+/// Fingers that meet each other, or that rise without the cube, open and try again.
 /// @throws Error{bad_argument} for measures that are not positive, and as ShotRings
 [[nodiscard]] LiftReport lift(const Array& array, const LiftOptions& options,
                               const std::function<void(const ShotReport&)>& told = {});

@@ -168,6 +168,7 @@ Json to_json(const LiftOptions& asked, const LiftReport& report) {
             {"shots", report.shots},
             {"touched_shots", report.touched_shots},
             {"felt_shots", report.felt_shots},
+            {"tries", report.tries},
             {"first_touch_s", report.first_touch_s},
             {"time_s", report.time_s},
             {"lifted_mm", 1e3 * report.lifted_m},

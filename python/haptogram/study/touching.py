@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A simulated hand that touches what is asked for: each trial is one of `haptogram task`, in which cameras see scripted fingers, rings are made
-around them as `haptogram live` makes them, and they feel a surface by the pressure on their skin, thresholds and noise. In a lift they
-are told where a ring is, and which way its face points. Or a hand that `haptogram render` takes through the object of each of two arrays.
-No answer is drawn from the paper's."""
+around them as `haptogram live` makes them, and they feel by the pressure on their skin, thresholds and noise. Or a hand that
+`haptogram render` takes through the object of each of two arrays. No answer is drawn from the paper's."""
 import json
 import math
 import random
@@ -82,7 +81,7 @@ TASKS: dict[str, _Task | _Comparison] = {
         {},
     ),
     "fingers_lift_visible": _lift("--x", "{x_mm}", "--y", "{y_mm}", "--turn", "{angle_deg}"),
-    "fingers_lift_hidden": _lift("--hidden"),  # a scripted hand does not search, so the task draws a place before it
+    "fingers_lift_hidden": _lift("--hidden"),  # a scripted hand searches along one line alone, so the task draws a place on it
 }
 
 
