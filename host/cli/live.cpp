@@ -30,6 +30,7 @@
 #include "port.hpp"
 #include "report.hpp"
 #include "settings_file.hpp"
+#include "touch_options.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -49,7 +50,7 @@ struct LiveCommand {
     std::vector<CLI::Option*> of_cameras;
     live::FingerOptions fingers;
     live::LoopOptions loop;
-    double press_radius_mm = PressOptions{}.radius_m / millimetre;
+    TouchArguments touch;
     bool json = false;
     std::vector<std::string> given;
 
@@ -90,7 +91,7 @@ live::FingerOptions fingers_of(const LiveCommand& command, const ObjectSource& s
     scene.world.high.z = scene.world.low.z + 0.25;
     if (command.algorithm == "still") options.ring.motion = FocusMotion::still;
     if (command.algorithm == "L") options.ring.motion = FocusMotion::pressing;
-    options.ring.press.radius_m = command.press_radius_mm * millimetre;
+    options.ring.press = command.touch.touch.press;
     options.predict = prediction_of(command, hands);
     return options;
 }
@@ -98,8 +99,7 @@ live::FingerOptions fingers_of(const LiveCommand& command, const ObjectSource& s
 live::HandOptions hand_options_of(const LiveCommand& command) {
     live::HandOptions options;
     options.algorithm = algorithm_of(command.algorithm);
-    options.touch.press = command.fingers.ring.press;
-    options.touch.press.radius_m = command.press_radius_mm * millimetre;
+    options.touch = touch_of(command.touch, command.cameras.noise.seed);
     options.predict = prediction_of(command, true);
     return options;
 }
@@ -146,7 +146,7 @@ void require_simulated(const LiveCommand& command) {
         return name.starts_with("leap:") || name.starts_with("poses:") || name.starts_with("synthetic:");
     });
     for (const CLI::Option* option : command.of_cameras)
-        if (option->count() > 0 && !(recorded && option->get_name() == "--seconds"))
+        if (option->count() > 0 && option->get_name() != "--seed" && !(recorded && option->get_name() == "--seconds"))
             throw bad_argument(
                 option->get_name().substr(2),
                 fmt::format("{} has no simulated cameras; this is for those", fmt::join(command.from, ", ")));
@@ -155,15 +155,21 @@ void require_simulated(const LiveCommand& command) {
 /// @param hands  the source gives hands, not depth
 void check_options(const LiveCommand& command, bool hands) {
     const std::vector<std::string_view> with_rings = {"ring", "still"};
-    require_effect(
-        command.given,
-        {{"--press-frequency", {"L"}}, {"--press-radius", {"L"}}, {"--press-foci", {"L"}}, {"--magnitude", {"still"}}},
-        command.algorithm, "the algorithm");
+    require_effect(command.given, {{"--press-frequency", {"L"}}, {"--magnitude", {"still"}}}, command.algorithm,
+                   "the algorithm");
+    std::vector<std::string> of_touch = command.given;
+    if (std::ranges::any_of(command.from, live::has_simulated_cameras))
+        std::erase(of_touch, "--seed");  // their noise's
+    require_touch_effect(of_touch, command.algorithm, command.touch);
     require_effect(command.given, {{"--latency", {"velocity", "kalman"}}}, command.predict, "the prediction");
     if (hands) require_effect(command.given, {{"--mass", with_rings}}, command.algorithm, "the algorithm");
     const std::vector<std::string_view> depth = {"depth"}, fingers = {"depth", "a tracker's hands with rings"};
+    const std::vector<std::string_view> bones = {"a tracker's hands"};
     require_effect(command.given,
-                   {{"--workspace-low", depth},
+                   {{"--speed", bones},
+                    {"--frequency", bones},
+                    {"--jump", bones},
+                    {"--workspace-low", depth},
                     {"--workspace-high", depth},
                     {"--filter", depth},
                     {"--voxel", depth},
@@ -327,19 +333,6 @@ int live_loop(const LiveCommand& command) {
     return 0;
 }
 
-void add_press(CLI::App& sub, LiveCommand& options) {
-    PressOptions& press = options.fingers.ring.press;
-    sub.add_option("--press-frequency", press.turns_hz, "With L: turns a second")
-        ->check(positive())
-        ->capture_default_str();
-    sub.add_option("--press-radius", options.press_radius_mm, "With L: radius of the circle, mm")
-        ->check(positive())
-        ->capture_default_str();
-    sub.add_option("--press-foci", press.foci, "With L: foci on each finger")
-        ->check(whole(1, 16))
-        ->capture_default_str();
-}
-
 /// Options of what is seen, and of what fingers do to an object.
 void add_fingers(CLI::App& sub, LiveCommand& options) {
     CloudOptions& cloud = options.fingers.cloud;
@@ -371,7 +364,8 @@ void add_cameras(CLI::App& sub, LiveCommand& options) {
         sub.add_option("--seconds", cameras.seconds,
                        "Seconds of simulated cameras, or recorded hands; 0: as long as the script or recording is")
             ->check(not_negative()),
-        sub.add_option("--seed", cameras.noise.seed, "Seed of the simulated cameras' noise")
+        sub.add_option("--seed", cameras.noise.seed,
+                       "Seed of the simulated cameras' noise, and of what is random in an algorithm")
             ->check(whole(0, UINT64_MAX))};
     for (CLI::Option* option : options.of_cameras) option->capture_default_str();
 }
@@ -416,7 +410,11 @@ void add_live(CLI::App& app, Action& action) {
            "Rig file or shipped rig instead: with a --port for each array, boards that play as one, kept in step over "
            "SYNC; with one --port, all arrays on the channels of one board, in their order")
         ->excludes(array);
-    add_press(*sub, *options);
+    add_touch_options(*sub, options->touch);
+    sub->add_option("--press-frequency", options->touch.touch.press.turns_hz, "With L: turns a second")
+        ->check(positive())
+        ->excludes("--frequency")
+        ->capture_default_str();
     sub->add_option("--magnitude", options->fingers.magnitude,
                     "How strong the still focus feels to a palm, from the array's force and the Multimodal paper's "
                     "tables (see haptogram magnitude)")

@@ -18,6 +18,7 @@
 #include "object_options.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "touch_options.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -31,14 +32,12 @@ struct RenderCommand {
     std::optional<std::string> array, board;
     std::optional<std::size_t> frame, points;
     std::optional<std::uint32_t> dwell;
-    std::optional<double> speed_m_s, frequency_hz;
-    std::string jump = "hop", corner = "rotating-line", priority = "gap";
-    bool off_skin = false, report = false, json = false;
+    bool report = false, json = false;
     std::optional<std::string> am, am_law;
     std::optional<double> magnitude;
     double amplitude = 1.0;
-    double gap_mm = 10.0;
-    TouchOptions touch;
+    TouchArguments touch;
+    std::uint64_t seed = 1;
     std::vector<std::string> outputs;
     std::vector<std::string> given;  ///< names of the options on the command line
 };
@@ -46,14 +45,7 @@ struct RenderCommand {
 RenderOptions options_of(const RenderCommand& command) {
     RenderOptions options;
     options.algorithm = algorithm_of(command.algorithm);
-    options.touch = command.touch;
-    if (command.speed_m_s || command.frequency_hz) options.touch.pace = Pace{command.speed_m_s, command.frequency_hz};
-    options.touch.jump = command.jump == "hop" ? Jump::hop : Jump::blank;
-    options.touch.feature.corner = corner_figure(command.corner);
-    options.touch.feature.project = !command.off_skin;
-    options.touch.priority = command.priority == "gap" ? Priority::gap : Priority::finger;
-    options.touch.gap_m = command.gap_mm * millimetre;
-    options.touch.grain.seed = options.touch.feature.seed;
+    options.touch = touch_of(command.touch, command.seed);
     options.frame = command.frame;
     options.points = command.points;
     options.dwell = command.dwell;
@@ -66,36 +58,7 @@ RenderOptions options_of(const RenderCommand& command) {
 
 /// What no algorithm, hand or object of this kind has is refused.
 void check_options(const RenderCommand& command) {
-    const std::vector<std::string_view> with_corners = {"B", "H", "I", "J"}, mixed = {"H", "I", "J"};
-    const std::string letter(1, name_of(algorithm_of(command.algorithm)).letter);
-    require_effect(command.given,
-                   {{"--corner", with_corners},
-                    {"--corner-radius", with_corners},
-                    {"--corner-line", with_corners},
-                    {"--corner-triangle", with_corners},
-                    {"--off-skin", with_corners},
-                    {"--priority", mixed},
-                    {"--gap", mixed},
-                    {"--solid-level", {"D", "I"}},
-                    {"--two-foci", {"D"}},
-                    {"--grain-spacing", {"E", "F"}},
-                    {"--grain-length", {"E", "F"}},
-                    {"--blob-finger", {"G", "J"}},
-                    {"--blob-palm", {"G", "J"}},
-                    {"--am-frequency", {"C", "K"}},
-                    {"--wait", {"K"}},
-                    {"--press-radius", {"L"}},
-                    {"--press-foci", {"L"}},
-                    {"--seed", {"B", "E", "F", "H", "I", "J"}}},
-                   letter, "the algorithm");
-    if (std::ranges::find(with_corners, letter) != with_corners.end())
-        require_effect(command.given,
-                       {{"--corner-radius", {"circle", "pulsing-circle", "random-points"}},
-                        {"--corner-line", {"rotating-line"}},
-                        {"--corner-triangle", {"triangle"}},
-                        {"--seed", {"random-points"}}},
-                       command.corner, "what is drawn at a corner");
-    require_effect(command.given, {{"--gap", {"gap"}}}, command.priority, "the priority");
+    require_touch_effect(command.given, std::string(1, name_of(algorithm_of(command.algorithm)).letter), command.touch);
     require_effect(command.given, {{"--hand-model", {"a .pose file"}}, {"--hand-rate", {"a .pose file"}}},
                    command.hand.ends_with(".pose") ? "a .pose file" : "no .pose file", "the hand");
 }
@@ -266,45 +229,12 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_option("--board", options->board, "Board file, shipped board or configuration");
     sub->add_option("--frame", options->frame, "Only this frame, from 1: one pass, to be repeated")
         ->check(whole(1, 1'000'000'000));
-    auto* speed = sub->add_option("--speed", options->speed_m_s,
-                                  fmt::format("Speed of the focus, m/s (default: {:g}; of K 0.1)", usual_speed_m_s))
-                      ->check(positive());
-    sub->add_option("--frequency", options->frequency_hz,
-                    "Passes over all lines a second instead, Hz (default of L: 5)")
-        ->check(positive())
-        ->excludes(speed);
     auto* points = sub->add_option("--points", options->points, "Points of the pass of one frame, instead of --dwell")
                        ->check(whole(1, 1'000'000));
     sub->add_option("--dwell", options->dwell, "Carrier periods of a step (default: 10; of K and L 400)")
         ->check(whole(1, 1'000'000))
         ->excludes(points);
-    sub->add_option("--jump", options->jump,
-                    "Between lines: hop, which takes no time, or blank, silence for as long as the way takes")
-        ->check(CLI::IsMember({"hop", "blank"}))
-        ->capture_default_str();
-    TouchOptions& touch = options->touch;
-    sub->add_option("--corner", options->corner, "With B, H, I, J: what is drawn at a corner")
-        ->check(CLI::IsMember({"circle", "pulsing-circle", "rotating-line", "triangle", "random-points"}))
-        ->capture_default_str();
-    add_mm(*sub, "--corner-radius", touch.feature.radius_m, "Radius of circles and random points, mm");
-    add_mm(*sub, "--corner-line", touch.feature.line_m, "Length of the rotating line, mm");
-    add_mm(*sub, "--corner-triangle", touch.feature.triangle_m, "Side of the triangle, mm");
-    sub->add_flag("--off-skin", options->off_skin, "Draw edges and corners where the object has them, not on the skin");
-    sub->add_option(
-           "--priority", options->priority,
-           "With H, I, J: other lines keep a gap from features, or are left out on a finger that has a feature")
-        ->check(CLI::IsMember({"gap", "finger"}))
-        ->capture_default_str();
-    sub->add_option("--gap", options->gap_mm, "That gap, mm")->check(not_negative())->capture_default_str();
-    sub->add_option("--solid-level", touch.solid_level,
-                    "With D, I: the second contour's depth over the deepest point's, 0 to 1")
-        ->capture_default_str();
-    sub->add_flag("--two-foci", touch.two_foci, "With D: both contours at the same time");
-    add_mm(*sub, "--grain-spacing", touch.grain.spacing_m,
-           "With E and F: a line for each square or cube of this edge, mm");
-    add_mm(*sub, "--grain-length", touch.grain.length_m, "With E and F: length of a line, mm");
-    add_mm(*sub, "--blob-finger", touch.blob_finger_m, "With G, J: the largest circle on a fingertip, radius in mm");
-    add_mm(*sub, "--blob-palm", touch.blob_palm_m, "With G, J: the same on the palm");
+    add_touch_options(*sub, options->touch);
     add_am(*sub, options->am, options->am_law);
     sub->add_option("--amplitude", options->amplitude,
                     "Amplitude of all foci, as a fraction of the pressure that the array can make there")
@@ -314,17 +244,7 @@ void add_render(CLI::App& app, Action& action) {
                     "How strong each focus feels to a palm under --am or the algorithm's own modulation, from the "
                     "array's force and the Multimodal paper's tables (see haptogram magnitude)")
         ->check(positive());
-    sub->add_option("--am-frequency", touch.am_hz, "Frequency of the modulation in C and K, Hz")
-        ->check(positive())
-        ->capture_default_str();
-    sub->add_option("--wait", touch.pointer_wait_s, "With K: time at each corner, s")
-        ->check(not_negative())
-        ->capture_default_str();
-    add_mm(*sub, "--press-radius", touch.press.radius_m, "With L: radius of the circles, mm");
-    sub->add_option("--press-foci", touch.press.foci, "With L: foci on each circle")
-        ->check(whole(1, 16))
-        ->capture_default_str();
-    sub->add_option("--seed", touch.feature.seed, "Seed of what is random")
+    sub->add_option("--seed", options->seed, "Seed of what is random")
         ->check(whole(0, UINT64_MAX))
         ->capture_default_str();
     sub->add_flag("--report", options->report,

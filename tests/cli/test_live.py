@@ -108,6 +108,41 @@ def test_a_hand_feels_by_every_kind_of_algorithm(tmp_path, algorithm, board):
     assert ("computes foci" if "wide" in board else "plays records") in done.stderr.decode()
 
 
+MEASURES = {
+    "A": ("speed 3", "frequency 30", "jump blank"),
+    "B": ("corner triangle", "corner-line 4", "off-skin"),
+    "C": ("am-frequency 90",),
+    "D": ("solid-level 0.4", "two-foci"),
+    "E": ("grain-spacing 20", "grain-length 3", "seed 5"),
+    "G": ("blob-palm 0.5",),
+    "H": ("gap 25", "priority finger"),
+    "K": ("wait 0.05", "speed 0.3"),
+    "L": ("press-radius 6", "press-foci 2", "press-frequency 9"),
+}
+
+
+@pytest.mark.parametrize("algorithm", MEASURES)
+def test_an_algorithm_has_the_measures_that_render_gives_it(tmp_path, algorithm):
+    """Each changes what is played; of another algorithm it is refused."""
+    words = ["live", "--from", "synthetic:press", "--object", "cube", "--size", "80", "--center", "0,40,160", "--seconds", "0.3", "--port", "reference:tile-100-wide", "--scene", "s"]
+
+    def played(letter, *more):
+        succeed([*words, "--algorithm", letter, *more], cwd=tmp_path)
+        return [shot["foci"] for shot in lines(tmp_path / "s")]
+
+    usual = played(algorithm)
+    assert any(usual)
+    for measure in MEASURES[algorithm]:
+        option, *value = f"--{measure}".split()
+        assert played(algorithm, option, *value) != usual, measure
+        for other in "AL" if option not in ("--speed", "--frequency", "--jump") else ():
+            if measure not in MEASURES[other]:
+                refuse(tmp_path, [*words, "--algorithm", other, option, *value], USAGE, option[2:])
+        refuse(tmp_path, [*words, "--algorithm", "ring", option, *value], USAGE, option[2:])
+    if algorithm == "L":
+        refuse(tmp_path, [*PRESS, "--algorithm", "L", *BOARD, "--speed", "3"], USAGE, "speed", "bones|tracker")
+
+
 def test_it_wants_to_know_what_sees_the_hand(tmp_path):
     refuse(tmp_path, ["live", "--port", "reference:tile-100-wide"], USAGE, "--from: is missing", "leap-pipe:-")
     (tmp_path / "settings.toml").write_text("[live]\nalgorithm = \"A\"\n")

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
@@ -26,6 +28,24 @@ constexpr std::string_view keys_of_live[] = {"from",
                                              "baud",
                                              "array",
                                              "rig",
+                                             "speed",
+                                             "frequency",
+                                             "jump",
+                                             "corner",
+                                             "corner_radius",
+                                             "corner_line",
+                                             "corner_triangle",
+                                             "off_skin",
+                                             "priority",
+                                             "gap",
+                                             "solid_level",
+                                             "two_foci",
+                                             "grain_spacing",
+                                             "grain_length",
+                                             "blob_finger",
+                                             "blob_palm",
+                                             "am_frequency",
+                                             "wait",
                                              "press_radius",
                                              "press_foci",
                                              "magnitude",
@@ -68,7 +88,14 @@ std::string add_part(LiveSetting& setting, const toml::node& node, const section
 
 std::vector<LiveSetting> settings_of(const toml::table& root, const std::string& where) {
     const section::Section section(where, root, std::string(table_name));
-    section.only(live_keys());
+    if (const auto* table = root.get_as<toml::table>(table_name))
+        for (const auto& [key, node] : *table)
+            if (std::find(live_keys().begin(), live_keys().end(), key.str()) ==
+                live_keys().end())  // more than a message can name
+                throw bad_input(section.at(key.str()),
+                                fmt::format("unknown key {}; known are the options that 'haptogram live --help' "
+                                            "names, with _ for -",
+                                            section.full(key.str())));
     std::vector<LiveSetting> settings;
     for (const std::string_view key : live_keys()) {
         const toml::node* node = section.find(key);
