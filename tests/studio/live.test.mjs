@@ -55,6 +55,7 @@ test("a recorded hand feels a ball on the virtual board, which is drawn as it co
   await runs(page);
   await boardSays(page, "lent to the live session");
   await eventually(async () => Number(await row(page, "Foci in turn")) > 0);
+  await panel(page, "Live hand").getByText("In the view: a hand, sphere of 100 mm at (0, 0, 200)").waitFor();
   await accessible(page);
   await picture(page, "live-light");
   await over(page);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A live session in the view: hands and object as clouds of particles, the lines on the skin, and the foci that play.
-import { BufferAttribute, BufferGeometry, type Color, Group, LineBasicMaterial, LineSegments, type Material, Points, PointsMaterial, Vector3 } from "three";
-import type { Drawn, LiveHand, LiveScene, Point } from "./link";
+import { BufferAttribute, BufferGeometry, type Color, Group, LineBasicMaterial, LineSegments, type Material, Matrix4, Points, PointsMaterial, Vector3 } from "three";
+import type { Drawn, LiveHand, LiveObject, LiveScene, Point } from "./link";
 
 const fingerRadius = 7; // mm
 const mostParticles = 4000; // of the object
@@ -56,10 +56,16 @@ function onHand({ palm_mm: palm, fingers_mm: fingers }: LiveHand, found: number[
   });
 }
 
+/** From an object's own frame to the array's. */
+function poseOf({ center_mm: centre, x, z }: LiveObject): Matrix4 {
+  const [right, up] = [new Vector3(...x), new Vector3(...z)];
+  return new Matrix4().makeBasis(right, up.clone().cross(right), up).setPosition(...centre);
+}
+
 export class LiveDrawing {
   readonly group = new Group();
   private parts: { part: Part; colour: string }[] = [];
-  private object: number[] | undefined;
+  private object: { particles: number[]; back: Matrix4 } | undefined; // and from where it stood first to its own frame
 
   /** @param scene  none: no session  @param drawn  the object that is felt */
   show(scene: LiveScene | undefined, drawn: Drawn | undefined): void {
@@ -70,11 +76,12 @@ export class LiveDrawing {
     this.group.clear();
     this.parts = [];
     if (!scene) return void (this.object = undefined);
-    this.object ??= drawn ? onSurface(drawn) : [];
+    const [now] = scene.objects; // the page's session has one
+    if (now) this.object ??= { particles: drawn ? onSurface(drawn) : [], back: poseOf(now).invert() };
     const hands: number[] = [];
     for (const hand of scene.hands) onHand(hand, hands);
     const over = { depthTest: false, transparent: true };
-    this.points(this.object, 1.5, "--object", {});
+    if (now && this.object) this.points(this.object.particles, 1.5, "--object", {}).applyMatrix4(poseOf(now).multiply(this.object.back));
     this.points(hands, 2, "--skin-edge", {});
     const lines = scene.contacts_mm.flatMap((line) => line.slice(1).flatMap((to, i) => [...(line[i] ?? to), ...to]));
     this.add(new LineSegments(geometryOf(lines), new LineBasicMaterial(over)), "--felt");
@@ -86,14 +93,15 @@ export class LiveDrawing {
     for (const { part, colour: name } of this.parts) part.material.color = colour(name);
   }
 
-  private points(places: number[], size: number, colour: string, more: object): void {
-    this.add(new Points(geometryOf(places), new PointsMaterial({ size, sizeAttenuation: false, ...more })), colour);
+  private points(places: number[], size: number, colour: string, more: object): Part {
+    return this.add(new Points(geometryOf(places), new PointsMaterial({ size, sizeAttenuation: false, ...more })), colour);
   }
 
-  private add(part: Part, colour: string): void {
+  private add(part: Part, colour: string): Part {
     part.renderOrder = this.parts.length;
     this.parts.push({ part, colour });
     this.group.add(part);
+    return part;
   }
 }
 

@@ -66,7 +66,8 @@ export class LiveReader {
 export const medianOf = (latencies: number[]): number | undefined => [...latencies].sort((a, b) => a - b)[latencies.length >> 1];
 
 /** What stands in a scene, in words for who does not see it. */
-export function wordsOf({ hands, fingers, foci, contacts_mm }: LiveScene): string {
-  const seen = hands.length === 0 ? "no hand" : hands.length === 1 ? "a hand" : `${hands.length} hands`;
-  return fingers === 0 && foci.length === 0 ? `${seen}, which touches nothing` : `${seen}; ${fingers} parts touch, on ${contacts_mm.length} lines`;
+export function wordsOf({ hands, fingers, foci, contacts_mm, objects }: LiveScene): string {
+  const things = objects.map(({ object, size_mm: size, center_mm: at }) => `${object} of ${Math.round(size)} mm at (${at.map(Math.round).join(", ")})`);
+  const seen = `${hands.length === 0 ? "no hand" : hands.length === 1 ? "a hand" : `${hands.length} hands`}, ${things.join(", ") || "no object"}`;
+  return fingers === 0 && foci.length === 0 ? `${seen}, and no touch` : `${seen}; ${fingers} parts touch, on ${contacts_mm.length} lines`;
 }
