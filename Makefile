@@ -55,7 +55,7 @@ hardware: build ## the driver tile's netlist, simulation, board and Gerbers into
 	@$(call need,ngspice pcbnew,hardware )
 	@$(PYTHON) hardware/check.py --program $(BUILD)/host/cli/haptogram --output build/hardware
 
-# Each of some 440 faults runs co-simulation until a test notices it: two hours, so it is not part of `make test`.
+# Each of some 620 faults runs in simulation until a test notices it: hours, so it is not part of `make test`.
 mutants: deep-build ## would the tests notice a fault in the RTL; not part of `make test`
 	@ctest --preset deep -R '^mutation$$' --output-on-failure
 

@@ -18,26 +18,44 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 REQUIRED = 0.95
-TESTS = "~[tile100]~[whole]~[long]"  # all that run on the models that count; a long count reaches no further line
+# Of each program all that run on the models that count; a long count reaches no further line.
+COSIM = "~[tile100]~[whole]~[long]"
+PROGRAMS = {
+    "test_cosim_coverage": COSIM,
+    "test_cosim_coverage_sdram": "[contract1],[contract3],[contract5]~[fuzz],[contract6],[flash]",
+    "test_port_coverage": "~[long]",
+    "test_stream_coverage": "~stream: each pattern*",
+}
+FOLDERS = ("rtl", "rtl/net", "rtl/sdram")
 
 
 class Wrong(Exception):
     """A test, the table or the data is not as expected."""
 
 
-def measure(program, folder):
+def measure(program, tests, folder):
     """Coverage points with their counts, as dictionaries of Verilator's one-letter keys."""
-    data = folder / "coverage.dat"
+    data = folder / f"{program.name}.dat"
     data.unlink(missing_ok=True)
-    done = subprocess.run([program, TESTS, "--rng-seed", "1"], env={**os.environ, "HAPTOGRAM_COVERAGE": str(data)}, capture_output=True, text=True)
+    done = subprocess.run([program, tests, "--rng-seed", "1"], env={**os.environ, "HAPTOGRAM_COVERAGE": str(data)}, capture_output=True, text=True)
     if done.returncode != 0 or not data.exists():
-        raise Wrong(f"the tests fail, or count nothing\n{done.stdout[-3000:]}{done.stderr[-1000:]}")
+        raise Wrong(f"{program.name}: the tests fail, or count nothing\n{done.stdout[-3000:]}{done.stderr[-1000:]}")
     points = []
     for line in data.read_text().splitlines():
         match = re.fullmatch(r"C '(.*)' (\d+)", line)
         if match:
             points.append({**dict(re.findall("\x01([^\x02]+)\x02([^\x01]*)", match[1])), "count": int(match[2])})
-    return [p for p in points if Path(p["f"]).parent == ROOT / "rtl"]
+    return [p for p in points if folder_of(p) in FOLDERS]
+
+
+def folder_of(point):
+    folder = Path(point["f"]).resolve().parent
+    return str(folder.relative_to(ROOT)) if folder.is_relative_to(ROOT) else ""
+
+
+def file_of(point):
+    """Within rtl/."""
+    return str(Path(point["f"]).resolve().relative_to(ROOT / "rtl"))
 
 
 def expand(ranges):
@@ -53,7 +71,7 @@ def lines_of(points):
     for p in points:
         if not p["page"].startswith("v_toggle"):
             for line in expand(p.get("S", p["l"])):  # a missing else has no lines of its own
-                branches[Path(p["f"]).name, line, p["l"], p["n"], p["o"]] += p["count"]
+                branches[file_of(p), line, p["l"], p["n"], p["o"]] += p["count"]
     least = collections.defaultdict(dict)
     for (file, line, *_), count in branches.items():
         least[file][line] = min(count, least[file].get(line, count))
@@ -65,7 +83,8 @@ def bits_of(points):
     bits = collections.defaultdict(dict)
     for p in points:
         if p["page"].startswith("v_toggle"):
-            bits[Path(p["f"]).name][f"{p['h'].removeprefix('TOP.')}.{p['o']}"] = p["count"] >= 2
+            name = f"{p['h'].removeprefix('TOP.')}.{p['o']}"
+            bits[file_of(p)][name] = bits[file_of(p)].get(name, False) or p["count"] >= 2
     return bits
 
 
@@ -83,7 +102,7 @@ def share(part, whole):
 
 def run(options):
     options.build.mkdir(parents=True, exist_ok=True)
-    points = measure(options.program, options.build)
+    points = [p for program, tests in PROGRAMS.items() for p in measure(options.programs / program, tests, options.build)]
     lines, bits, excused, used = lines_of(points), bits_of(points), exceptions(), set()
     table, problems = [], []
     for file in sorted(set(lines) | set(bits)):
@@ -116,7 +135,7 @@ def run(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     build = ROOT / "build" / "deep" / "tests" / "coverage"
-    parser.add_argument("--program", metavar="FILE", type=Path, default=build / "test_cosim_coverage", help="test_cosim on the cores that count")
+    parser.add_argument("--programs", metavar="DIR", type=Path, default=build, help="where the tests on cores that count are")
     parser.add_argument("--build", metavar="DIR", type=Path, default=build, help="where the data and the reports go")
     options = parser.parse_args()
     try:

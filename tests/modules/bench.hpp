@@ -7,6 +7,12 @@
 #include <memory>
 #include <random>
 
+#ifdef HAPTOGRAM_COUNTS  // tests/coverage
+namespace haptogram::sim {
+void gather_coverage(VerilatedCovContext& model);
+}
+#endif
+
 /// One Verilated module with a clock, powered up with random registers and reset.
 template <class Model>
 struct Bench {
@@ -25,6 +31,9 @@ struct Bench {
         // Verilator's scopes unregister from the thread's last context, which may be that of a bench that is gone.
         Verilated::threadContextp(&context);
         model->final();
+#ifdef HAPTOGRAM_COUNTS
+        haptogram::sim::gather_coverage(*context.coveragep());
+#endif
         model.reset();
     }
     Model* operator->() { return model.get(); }

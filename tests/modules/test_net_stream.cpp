@@ -370,17 +370,32 @@ TEST_CASE("stream: what is late, early or of another session plays nothing, and 
     const long begin = stream.now() + 30;
     stream.send(stream.datagram(begin));
     stream.note(begin);
-    stream.send(stream.datagram(begin + slots + 30));
+    stream.send(stream.datagram(begin + slots + 8));  // for slots whose own periods get nothing
     stream.run_to(begin + 2);
     stream.send(stream.datagram(begin - 6, 6));
     ++stream.session;
     stream.send(stream.datagram(begin + 7, 2));
-    stream.run_to(begin + 12);
+    stream.run_to(begin + 20);
     CHECK(stream.status(interface::StatusWord::stream_early) == 7);
     CHECK(stream.status(interface::StatusWord::stream_late) == 6);
     CHECK(stream.status(interface::StatusWord::stream_repeated) == 0);
     CHECK(stream.status(interface::StatusWord::frames_refused) == 1);
-    CHECK(stream.wrong(begin + 1, begin + 10, [&](long p) { return stream.plays(p, 20); }) == 0);
+    CHECK(stream.wrong(begin + 1, begin + 18, [&](long p) { return stream.plays(p, 20); }) == 0);
+}
+
+TEST_CASE("stream: the settings are read as they were written") {
+    Stream stream(20);
+    for (unsigned times = 0; times < 20; ++times) {
+        std::array<std::uint16_t, interface::stream_words> all{};
+        for (std::uint16_t& word : all) word = static_cast<std::uint16_t>(stream.network.bench.random());
+        all[1] &= 15;  // slot_bits
+        stream.write(interface::stream_base, all);
+        stream.send(stream.network.frame(
+            Command::read,
+            little(interface::stream_base) + little(interface::stream_base >> 16) + little(2 * all.size())));
+        stream.answered(stream.network.replies.size() + 2);
+        CHECK(stream.network.replies.back().data == words(all));
+    }
 }
 
 TEST_CASE("stream: when no pattern comes the last one is held, and then its amplitudes fall to nothing") {

@@ -293,6 +293,11 @@ TEST_CASE("frames of every kind, and each with one thing wrong, are taken as the
     port.check(runt + net::fcs(runt));  // 63 bytes
     const Bytes over = net::udp_frame(net::host, net::board, Bytes(1473, 3));
     port.check(over + net::fcs(over));  // 1,519
+    // As long as a count of 11 bits would take for the good one.
+    Bytes jumbo = net::udp_frame(net::host, net::board, Bytes(208, 3));
+    jumbo.resize(jumbo.size() + 2048);
+    port.check(jumbo + net::fcs(jumbo));
+    port.check({}, -1, Bytes(3, 0x55));
     port.check(good, -1, Bytes{0x55, 0xd5});
     port.check(good, -1, Bytes(8, 0x55));
     port.check(good, -1, Bytes{0x55, 0x55, 0x54, 0xd5});
