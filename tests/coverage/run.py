@@ -22,11 +22,9 @@ REQUIRED = 0.95
 COSIM = "~[tile100]~[whole]~[long]"
 PROGRAMS = {
     "test_cosim_coverage": COSIM,
-    "test_cosim_coverage_sdram": "[contract1],[contract3],[contract5]~[fuzz],[contract6],[flash]",
     "test_port_coverage": "~[long]",
-    "test_stream_coverage": "~stream: each pattern*",
 }
-FOLDERS = ("rtl", "rtl/net", "rtl/sdram")
+FOLDERS = ("rtl", "rtl/net")
 
 
 class Wrong(Exception):
