@@ -329,7 +329,7 @@ module haptogram_core #(
             wire        go, fades;
             wire [31:0] set_address = {{(32-WORD_BITS){1'b0}}, command_address}, read_address = {{(32-WORD_BITS){1'b0}}, reply_address};
             wire        unused = &{1'b0, set_address[31:16], read_address[31:16]};
-            frame_player #(
+            drive_player #(
                 .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .WIDTH_BITS(WIDTH_BITS),
                 .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .IDLE_CLOCKS(IDLE_CLOCKS),
                 .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Decides, once a carrier period, what the next one plays, and has the pulse generators' words for it made out of the frame memory.
+// Decides, once a carrier period, what the next one plays, and has the pulse generators' words for it made out of the drive memory.
 //
 // A record of amplitudes gets new words in each period, since modulation and slew limit may change them. They are begun at the go
 // point, a quarter of a period and LEAD clocks before the period ends, so that they are there when the first pulse starts whose
@@ -13,7 +13,7 @@
 // o_period is one strobe a carrier period: at the go point, or when a period without one has ended.
 // If pulses from before the last change still run at the go point, the words of the period before play again; o_missed counts that.
 // CHANNELS, TIMING_BITS and WIDTH_BITS are the core's. LEAD is at least CHANNELS + 44: 4 clocks for the modulation, 19 for the slew
-// limiter, 14 from the frame memory to the generators, 7 for the control. IDLE_CLOCKS is the cycle before the first record.
+// limiter, 14 from the drive memory to the generators, 7 for the control. IDLE_CLOCKS is the cycle before the first record.
 `default_nettype none
 module period_controller #(
     parameter CHANNELS     = 100,
@@ -48,7 +48,7 @@ module period_controller #(
     output reg  [23:0]             o_cycle_length,
     output reg  [23:0]             o_prescaler,
     output reg  [WIDTH_BITS-1:0]   o_longest,
-    // The next record, whole in the frame memory
+    // The next record, whole in the drive memory
     input  wire                    i_next,
     input  wire                    i_next_silent,
     input  wire                    i_next_amplitudes,
@@ -59,8 +59,8 @@ module period_controller #(
     input  wire [23:0]             i_next_prescaler,
     input  wire [WIDTH_BITS-1:0]   i_next_pulse_length,
     output wire                    o_take_over,
-    // The sweep: frame memory to emission
-    output reg                     o_bank,         // of the frame memory, the one that is read
+    // The sweep: drive memory to emission
+    output reg                     o_bank,         // of the drive memory, the one that is read
     output reg  [CHANNEL_BITS-1:0] o_channel,
     output reg                     o_mute,
     output wire                    o_begin,

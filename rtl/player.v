@@ -68,7 +68,7 @@ module player #(
     wire                   allow = guarded && !i_mute;
     wire [23:0]            cycle_length, prescaler;
     wire [PULSE_BITS-1:0]  next_pulse_length, pulse_length;
-    wire                   amplitudes, foci, refresh, follows, asked, near;  // of frame_player alone
+    wire                   amplitudes, foci, refresh, follows, asked, near;  // of drive_player alone
     wire [PULSE_BITS-1:0]  ahead_count;
     wire                   unused = &{1'b0, amplitudes, foci, refresh, follows, asked, near, ahead_count};
 

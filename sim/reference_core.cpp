@@ -23,7 +23,7 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
       train_(p_.channels, p_.width_bits != 0 ? PulseTrain::Gaps::all : PulseTrain::Gaps::at_changes, 2 * window_),
       guard_(p_) {
     if (p_.width_bits != 0) {
-        auto player = std::make_unique<FramePlayer>(p_, primary, source_, train_);
+        auto player = std::make_unique<DrivePlayer>(p_, primary, source_, train_);
         frames_ = player.get();
         player_ = std::move(player);
     } else {

@@ -10,7 +10,7 @@
 
 #include "board.hpp"
 #include "clock.hpp"
-#include "reference_frame_player.hpp"
+#include "reference_drive_player.hpp"
 #include "reference_frames.hpp"
 #include "reference_guard.hpp"
 #include "reference_line.hpp"
@@ -195,7 +195,7 @@ private:
     Clock stream_wakes_ = never, fades_from_ = never;
     PulseTrain train_;
     std::unique_ptr<Player> player_;
-    FramePlayer* frames_ = nullptr;  // the same, of boards with amplitudes
+    DrivePlayer* frames_ = nullptr;  // the same, of boards with amplitudes
     Guard guard_;
     bool off_ = true;  // the pins are cleared
 

@@ -16,14 +16,14 @@ struct Frame {
     std::vector<std::uint8_t> bytes;  ///< without the CRC
     Clock readable;                   ///< in which its first word can be taken
     std::uint64_t number;             ///< of the good frames since reset, from 1
-    /// Words of the board's frame memory: its length, and its bytes in pairs.
+    /// Words of the board's drive memory: its length, and its bytes in pairs.
     [[nodiscard]] std::uint64_t words() const { return 1 + (bytes.size() + 1) / 2; }
 };
 
 /// Bytes of the longest frame that a board always takes, without its CRC.
 [[nodiscard]] std::uint32_t longest_frame(const interface::CoreParameters& p);
 
-/// Takes frames out of bytes, as far as the board's frame memory has room. Only whole ones leave (rtl/README.md,
+/// Takes frames out of bytes, as far as the board's drive memory has room. Only whole ones leave (rtl/README.md,
 /// contract 5).
 class FrameInput {
 public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What period_controller promises beside the pulses themselves. It is checked in simulation, on what frame_player drives it with.
+// What period_controller promises beside the pulses themselves. It is checked in simulation, on what drive_player drives it with.
 reg        f_reset_seen_q, f_short_q;
 reg [3:0]  f_clocks_q;   // since the cycle began, as far as 8
 reg [3:0]  f_near_q;     // of those, at the go point or behind it

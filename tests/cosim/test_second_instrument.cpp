@@ -718,7 +718,7 @@ TEST_CASE("second instrument: SELECT reaches the pins within a cycle, a load and
             if (bench.recorder.cycles()[c].index == index) begins = std::min(begins, bench.recorder.cycles()[c].clock);
         const std::uint64_t took = begins - std::min(begins, sent);
         // Up to 40 clocks for the command itself, a cycle of what played and a quarter of it, a load of 33 and what the
-        // frame memory adds, a sweep.
+        // drive memory adds, a sweep.
         const std::uint64_t bound = 40 + cycle[present] * 5 / 4 + 45 + lead;
         INFO(took << " clocks after the frame, record " << present << " to " << index << ", at most " << bound);
         REQUIRE(took <= bound);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What frame_player does once a record: reads the next one, and fills a bank of the frame memory with a word of each channel.
+// What drive_player does once a record: reads the next one, and fills a bank of the drive memory with a word of each channel.
 //
 // The words are the record's own, or what the focus engine makes of its foci. i_entry/o_take, i_common and the reading are memory_controller's.
 // o_ready comes with the last word, or for silence, which has none, at once; then the fields beside it hold until i_take_over, which may
 // come while o_ready is high. i_preempt drops what is loading or loaded. Meanwhile the other bank, i_swept, is read: o_word is there two
 // clocks after i_channel. o_far strobes when a record is complete one of whose foci was too far to count.
-// Geometry is written one word a strobe, while no record of foci is made. The parameters are those of frame_player.
+// Geometry is written one word a strobe, while no record of foci is made. The parameters are those of drive_player.
 `default_nettype none
 `include "interface.vh"
-module frame_loader #(
+module drive_loader #(
     parameter CHANNELS        = 100,
     parameter RECORDS         = 400,
     parameter TIMING_BITS     = 11,
@@ -114,7 +114,7 @@ module frame_loader #(
         end
     endgenerate
 
-    frame_memory #(.CHANNELS(CHANNELS)) frame (
+    drive_memory #(.CHANNELS(CHANNELS)) drives (
         .clk(clk), .i_clear(rst || i_preempt || o_take), .i_write(foci ? engine_valid : shift),
         .i_word(foci ? engine_word : o_amplitudes ? {i_word[15:8], i_word[15:8], i_word[7:0], 8'd0} : {16'hffff, i_word}),
         .o_complete(complete), .i_swept(i_swept), .i_channel(i_channel), .o_word(o_word));

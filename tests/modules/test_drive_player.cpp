@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/frame_player.v with a memory and a source of entries that the test drives by itself: records of amplitudes and of
+// rtl/drive_player.v with a memory and a source of entries that the test drives by itself: records of amplitudes and of
 // timings in every order, and preempts at any clock. Every pulse at the pins is compared with the host's model, to the
 // clock.
-#include <Vframe_player.h>
+#include <Vdrive_player.h>
 
 #include <deque>
 #include <vector>
@@ -22,10 +22,10 @@ struct Entry {
     std::uint16_t index, dwell;
 };
 
-/// A frame_player, a memory of records, and whatever is offered to it next; it records what the pins do.
+/// A drive_player, a memory of records, and whatever is offered to it next; it records what the pins do.
 class Instrument {
 public:
-    Bench<Vframe_player> bench;
+    Bench<Vdrive_player> bench;
     std::vector<std::uint16_t> memory = std::vector<std::uint16_t>(PARAMETER_RECORDS * record_words);
     std::deque<Entry> entries;
     Book book;

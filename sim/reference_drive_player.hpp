@@ -14,14 +14,14 @@
 
 namespace haptogram::sim {
 
-/// Records of timings, amplitudes and foci, for channels that each have an amplitude (rtl/frame_player.v;
-/// rtl/README.md, contracts 8 to 10). Once a record its words become a frame, one emission a channel; once a carrier
-/// period the frame becomes pulses, by modulation and slew limit.
+/// Records of timings, amplitudes and foci, for channels that each have an amplitude (rtl/drive_player.v;
+/// rtl/README.md, contracts 8 to 10). Once a record its words become drives, one emission a channel; once a carrier
+/// period these become pulses, by modulation and slew limit.
 ///
 /// Geometry, and the settings of foci but for their place and number, must not change while a focus record is loaded.
-class FramePlayer final : public Player {
+class DrivePlayer final : public Player {
 public:
-    FramePlayer(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary, EntrySource& source,
+    DrivePlayer(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary, EntrySource& source,
                 PulseTrain& train);
 
     void reset(Clock first, Clock last) override;
@@ -33,13 +33,13 @@ public:
     std::vector<GeometryWords> geometry;
 
 private:
-    // ---- Once a record (rtl/frame_loader.v)
+    // ---- Once a record (rtl/drive_loader.v)
 
     struct Loaded {
         bool silent = true, amplitudes = false;
         CarrierCycle::Lengths lengths{};
         std::uint32_t pulse = 0;
-        std::vector<Emission> frame;  // one a channel
+        std::vector<Emission> drives;  // one a channel
     };
     [[nodiscard]] bool is_focus(const EntrySource::Entry& entry) const {
         return p_.foci != 0 && entry.index > p_.records;
@@ -63,7 +63,7 @@ private:
     struct Computed {
         std::vector<FocusWords> foci;
         bool far = false;
-        std::vector<Emission> frame;
+        std::vector<Emission> drives;
     };
     std::vector<Computed> computed_;  // by number
     std::array<std::uint16_t, interface::parameters_words> computed_by_{};
@@ -101,7 +101,7 @@ private:
     EntrySource::Entry entry_;
     CarrierCycle::Lengths lengths_{0, 1};
     std::uint32_t raw_pulse_ = 0;
-    std::vector<Emission> frame_;
+    std::vector<Emission> drives_;
     // Its words.
     std::optional<Sweep> sweep_;
     Clock prepared_ = never;  // from which clock on the words can be put to use

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reference_frame_player.hpp"
+#include "reference_drive_player.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -12,11 +12,11 @@ namespace field = interface::parameters_field;
 constexpr std::uint32_t lead_beside_channels = 44;
 
 // Of a record, from the clock in which its entry is taken.
-constexpr Clock frame_clocks = 4;  // until its frame is whole, beside one for each word
+constexpr Clock drive_clocks = 4;  // until its drives are whole, beside one for each word
 constexpr Clock base_clocks = 2;   // until a focus record's place is worked out, in two clocks
 constexpr Clock place_clocks = 3;
 // Of a focus record, from the clock in which its words are there.
-constexpr Clock engine_clocks = 35;  // until its frame is whole, beside one for each focus and channel
+constexpr Clock engine_clocks = 35;  // until its drives are whole, beside one for each focus and channel
 
 // Of a period's words, from the clock in which they are begun.
 constexpr Clock sample_clocks =
@@ -27,17 +27,17 @@ constexpr Clock between_periods = 4;
 
 }  // namespace
 
-FramePlayer::FramePlayer(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary,
+DrivePlayer::DrivePlayer(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary,
                          EntrySource& source, PulseTrain& train)
     : Player(p, primary, source, train),
       settings(carrier_period(p)),
       modulation(p.modulation_depth),
       geometry(p.channels),
       lead_(p.channels + lead_beside_channels),
-      frame_(p.channels),
+      drives_(p.channels),
       model_(p.channels, p.timing_bits, p.width_bits, p.min_pulse_clocks) {}
 
-void FramePlayer::reset(Clock, Clock last) {
+void DrivePlayer::reset(Clock, Clock last) {
     sweep_.reset();
     quiet_pins_ = true;
     firing_.reset();
@@ -60,7 +60,7 @@ void FramePlayer::reset(Clock, Clock last) {
     moved_ = true;
 }
 
-Clock FramePlayer::next(bool waits) const {
+Clock DrivePlayer::next(bool waits) const {
     if (moved_) return seen_ + 1;
     Clock found = cycle_.next(waits, taken_ ? prepared_ : never);
     const auto consider = [&](Clock clock) {
@@ -83,7 +83,7 @@ Clock FramePlayer::next(bool waits) const {
     return found;
 }
 
-Player::Counted FramePlayer::at(Clock clock, const Now& now) {
+Player::Counted DrivePlayer::at(Clock clock, const Now& now) {
     Counted counted;
     fade_ = now.fade;
     go_on_loading(clock, now.common, counted);
@@ -183,14 +183,14 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
 
 // ---- Once a record
 
-void FramePlayer::free_loader(Clock clock) {
+void DrivePlayer::free_loader(Clock clock) {
     reader_.drop();
     loaded_ = never;
     foci_.clear();
     idle_ = clock + 1;
 }
 
-void FramePlayer::go_on_loading(Clock clock, bool common, Counted& counted) {
+void DrivePlayer::go_on_loading(Clock clock, bool common, Counted& counted) {
     if (!reader_.holds()) return;
     if (reader_.seeks() && clock == reader_.taken() + base_clocks) base_ = field::foci_base.get(settings.at(clock));
     if (reader_.seeks() && clock == reader_.taken() + place_clocks) place(clock);
@@ -199,7 +199,7 @@ void FramePlayer::go_on_loading(Clock clock, bool common, Counted& counted) {
 }
 
 /// rtl/focus_place.v
-void FramePlayer::place(Clock clock) {
+void DrivePlayer::place(Clock clock) {
     const auto set = settings.at(clock);
     const std::uint32_t number = (reader_.entry().index - p_.records - 1U) & 0xffffU;
     const std::uint32_t words = 4 * (field::foci_last.get(set) + 1);
@@ -213,7 +213,7 @@ void FramePlayer::place(Clock clock) {
 }
 
 /// @return whether the record is refused
-bool FramePlayer::finish(Clock clock, bool common) {
+bool DrivePlayer::finish(Clock clock, bool common) {
     next_ = {};
     loaded_ = clock;
     if (!reader_.reads_words()) return reader_.entry().index != 0;
@@ -224,13 +224,13 @@ bool FramePlayer::finish(Clock clock, bool common) {
     return next_.silent;
 }
 
-bool FramePlayer::has_room(std::uint32_t cycle) const {
+bool DrivePlayer::has_room(std::uint32_t cycle) const {
     const std::uint32_t widest = std::min((1U << p_.width_bits) - 1, longest_pulse_clocks(p_));
     return cycle >= 2 * lead_ && cycle <= 2 * widest;
 }
 
 /// rtl/record_header.v
-void FramePlayer::load_words(std::span<const std::uint16_t> words, bool common) {
+void DrivePlayer::load_words(std::span<const std::uint16_t> words, bool common) {
     const Header header = Header::of(words);
     const bool amplitudes = header.kind == static_cast<unsigned>(interface::Kind::amplitudes);
     const std::uint32_t ticks = 1U << p_.timing_bits;
@@ -239,15 +239,15 @@ void FramePlayer::load_words(std::span<const std::uint16_t> words, bool common) 
     const bool known = amplitudes || header.kind == static_cast<unsigned>(interface::Kind::timings);
     if (!known || !fits || !header.in_bounds(p_) || (common && header.cycle_clocks() != carrier_period(p_))) return;
     next_ = {false, amplitudes, {header.cycle_length, header.prescaler}, header.pulse, {}};
-    next_.frame.reserve(p_.channels);
+    next_.drives.reserve(p_.channels);
     for (const std::uint16_t word : words.subspan(interface::record_header_words))
-        next_.frame.push_back(
+        next_.drives.push_back(
             amplitudes ? Emission{static_cast<std::uint16_t>((word >> 8) * 257), static_cast<std::uint16_t>(word << 8)}
                        : Emission{0xffff, word});
-    loaded_ = std::max(reader_.ready(), reader_.taken() + frame_clocks + words.size());
+    loaded_ = std::max(reader_.ready(), reader_.taken() + drive_clocks + words.size());
 }
 
-void FramePlayer::load_foci(std::span<const std::uint16_t> words, bool common) {
+void DrivePlayer::load_foci(std::span<const std::uint16_t> words, bool common) {
     bool reserved = false;
     for (std::size_t word = 3; word < words.size(); word += 4) reserved = reserved || (words[word] & 0xc0U) != 0;
     if (reserved || !has_room(foci_cycle_) || (common && foci_cycle_ != carrier_period(p_))) return;
@@ -258,7 +258,7 @@ void FramePlayer::load_foci(std::span<const std::uint16_t> words, bool common) {
 }
 
 /// @return whether a focus was too far from a channel
-bool FramePlayer::compute_foci(Clock clock) {
+bool DrivePlayer::compute_foci(Clock clock) {
     const auto set = settings.at(clock);
     if (!std::ranges::equal(set, computed_by_) || geometry != computed_for_) {
         std::ranges::copy(set, computed_by_.begin());
@@ -270,15 +270,15 @@ bool FramePlayer::compute_foci(Clock clock) {
     Computed& known = computed_[number];
     if (known.foci != foci_) {
         known = {foci_, false, {}};
-        known.frame.reserve(p_.channels);
+        known.drives.reserve(p_.channels);
         for (const ChannelDrive& drive :
              engine_outputs(geometry, field::wave_number.get(set), static_cast<std::uint16_t>(field::gain.get(set)),
                             foci_, field::foci_whole.get(set) != 0)) {
-            known.frame.push_back({drive.amplitude, drive.phase});
+            known.drives.push_back({drive.amplitude, drive.phase});
             known.far = known.far || drive.far;
         }
     }
-    next_.frame = known.frame;
+    next_.drives = known.drives;
     return known.far;
 }
 
@@ -286,14 +286,14 @@ bool FramePlayer::compute_foci(Clock clock) {
 
 /// A record of timings is made once and needs no sample; silence after one needs no words. Silence after a record of
 /// amplitudes is that record with all amplitudes at 0.
-void FramePlayer::take_over(Clock clock) {
+void DrivePlayer::take_over(Clock clock) {
     entry_ = reader_.entry();
     silent_ = next_.silent && raw_;
     mute_ = next_.silent;
     if (!next_.silent) {
         raw_ = !next_.amplitudes;
         lengths_ = next_.lengths;
-        frame_ = std::move(next_.frame);
+        drives_ = std::move(next_.drives);
         raw_pulse_ = next_.pulse;
     }
     if (silent_)
@@ -302,7 +302,7 @@ void FramePlayer::take_over(Clock clock) {
         begin_sweep(clock, true);
 }
 
-void FramePlayer::begin_sweep(Clock clock, bool new_target) {
+void DrivePlayer::begin_sweep(Clock clock, bool new_target) {
     const auto set = settings.at(clock);
     Sweep& sweep = sweep_.emplace();
     sweep.first = clock + 1;
@@ -324,8 +324,8 @@ void FramePlayer::begin_sweep(Clock clock, bool new_target) {
             .arrival_periods = static_cast<std::uint16_t>(std::max(field::arrival.get(set), 1U))}};
 }
 
-std::vector<EmissionWord> FramePlayer::words_of(const Sweep& sweep) {
-    std::vector<Emission> emissions = frame_;
+std::vector<EmissionWord> DrivePlayer::words_of(const Sweep& sweep) {
+    std::vector<Emission> emissions = drives_;
     if (!sweep.period.raw)
         for (std::uint32_t channel = 0; channel < p_.channels; ++channel) {
             const std::uint32_t sample = modulation.sample(sweep.first + channel + 1);
@@ -335,7 +335,7 @@ std::vector<EmissionWord> FramePlayer::words_of(const Sweep& sweep) {
     return model_.as_played(emissions, sweep.period);
 }
 
-void FramePlayer::end_sweep(Clock clock) {
+void DrivePlayer::end_sweep(Clock clock) {
     const std::vector<EmissionWord> words = words_of(*sweep_);
     auto firing = std::make_shared<Firing>(p_.channels);
     for (std::uint32_t channel = 0; channel < p_.channels; ++channel) {

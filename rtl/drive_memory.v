@@ -7,7 +7,7 @@
 // the other one than i_swept. A word is there two clocks after i_channel.
 // CHANNELS is the core's.
 `default_nettype none
-module frame_memory #(
+module drive_memory #(
     parameter CHANNELS     = 100,
     parameter CHANNEL_BITS = $clog2(CHANNELS)  // follows from CHANNELS
 ) (

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/frame_loader.v with a memory that the test drives: when a record's words are complete, what they are, and where a
+// rtl/drive_loader.v with a memory that the test drives: when a record's words are complete, what they are, and where a
 // focus record is looked for.
-#include <Vframe_loader.h>
+#include <Vdrive_loader.h>
 
 #include <array>
 #include <optional>
@@ -29,7 +29,7 @@ struct Load {
 
 class Loader {
 public:
-    Bench<Vframe_loader> bench;
+    Bench<Vdrive_loader> bench;
     std::vector<std::uint16_t> memory = std::vector<std::uint16_t>(memory_words);
     FocusEngine engine;
 
@@ -140,7 +140,7 @@ private:
 };
 }  // namespace
 
-TEST_CASE("frame loader: the words of timings and of amplitudes, in CHANNELS + 8 clocks, at least 33") {
+TEST_CASE("drive loader: the words of timings and of amplitudes, in CHANNELS + 8 clocks, at least 33") {
     Loader loader;
     for (const bool amplitudes : {false, true}) {
         const std::uint32_t at =
@@ -161,7 +161,7 @@ TEST_CASE("frame loader: the words of timings and of amplitudes, in CHANNELS + 8
     }
 }
 
-TEST_CASE("frame loader: one to eight foci, in as many clocks as rtl/README.md says") {
+TEST_CASE("drive loader: one to eight foci, in as many clocks as rtl/README.md says") {
     Loader loader;
     loader.set_up();
     for (int foci = 1; foci <= most; ++foci) {
@@ -183,7 +183,7 @@ TEST_CASE("frame loader: one to eight foci, in as many clocks as rtl/README.md s
 }
 
 TEST_CASE(
-    "frame loader: a focus record is played to the memory's last word, and refused beyond it and beyond the count") {
+    "drive loader: a focus record is played to the memory's last word, and refused beyond it and beyond the count") {
     Loader loader;
     int refused = 0;
     for (int i = 0; i < 600; ++i) {
@@ -214,7 +214,7 @@ TEST_CASE(
     REQUIRE(refused < 500);
 }
 
-TEST_CASE("frame loader: a load that is dropped at any clock leaves nothing behind") {
+TEST_CASE("drive loader: a load that is dropped at any clock leaves nothing behind") {
     Loader loader;
     loader.set_up();
     loader.bench->i_foci_count = 5;

@@ -3,7 +3,7 @@
 // What player is, for channels that each have an amplitude: from the next (index, dwell) to the pins, in two stages that do not wait
 // for each other.
 //
-// Once a record, its words go into the frame memory: timings, phases and amplitudes, or what the focus engine makes of foci. Once a
+// Once a record, its words go into the drive memory: timings, phases and amplitudes, or what the focus engine makes of foci. Once a
 // carrier period, period_controller has them made into the generators' words: modulation, slew limit, width, and puts those to use
 // at the period's end. Its other ports are those of player. Settings (parameters, geometry, samples) are written one word a strobe;
 // a sample must not be written while o_fetching. o_sample_word follows i_read_address by two clocks, o_parameter_word by one.
@@ -11,7 +11,7 @@
 // The parameters are the core's and player's. MAX_DUTY_256 must be at least 128, because full amplitude is half of the cycle.
 `default_nettype none
 `include "interface.vh"
-module frame_player #(
+module drive_player #(
     parameter CHANNELS        = 100,
     parameter RECORDS         = 400,
     parameter TIMING_BITS     = 11,
@@ -120,9 +120,9 @@ module frame_player #(
     wire [PULSE_BITS-1:0]   next_pulse_length;
     wire [WIDTH_BITS-1:0]   next_width = {{(WIDTH_BITS-PULSE_BITS){1'b0}}, next_pulse_length};
     wire [CHANNEL_BITS-1:0] channel;
-    wire [31:0]             frame_word;
+    wire [31:0]             drive_word;
 
-    frame_loader #(
+    drive_loader #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256),
         .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .WIDTH_BITS(WIDTH_BITS), .FOCI(FOCI), .LEAST_CYCLE(2 * LEAD),
@@ -137,7 +137,7 @@ module frame_player #(
         .i_take_over(take_over), .o_ready(loaded), .o_silent(silent), .o_amplitudes(amplitudes),
         .o_index(next_index), .o_dwell(next_dwell), .o_tag(next_tag), .o_cycle_length(next_cycle_length), .o_prescaler(next_prescaler),
         .o_pulse_length(next_pulse_length), .o_refused(o_refused), .o_far(o_far),
-        .i_swept(bank), .i_channel(channel), .o_word(frame_word));
+        .i_swept(bank), .i_channel(channel), .o_word(drive_word));
 
     // ---- Once a carrier period
 
@@ -191,7 +191,7 @@ module frame_player #(
         .clk(clk), .rst(rst || drop), .i_begin(begins), .i_modulation(sample), .i_off(!allow), .i_cycle(cycle_ticks), .i_raw(raw),
         .i_raw_width(raw_width), .i_slew(slew_q), .i_phase_rate(phase_rate_q), .i_amplitude_rate(amplitude_rate_q),
         .i_arrival_periods(arrival_periods_q), .i_new_target(new_target), .o_ready(emission_ready),
-        .i_valid(valid), .i_last(last), .i_amplitude(mute ? 16'd0 : frame_word[31:16]), .i_phase(frame_word[15:0]),
+        .i_valid(valid), .i_last(last), .i_amplitude(mute ? 16'd0 : drive_word[31:16]), .i_phase(drive_word[15:0]),
         .o_valid(word_valid), .o_last(word_last), .o_word(word), .o_width(width), .o_bent(bent));
 
     // ---- Every clock
