@@ -35,6 +35,12 @@ function(haptogram_module_test name module)
   endif()
 endfunction()
 
+# haptogram_port_test(NAME CASES FILE… [SOURCES FILE…] [PROGRAM NAME [VERILATOR …]]): the same of the network port, quick to reach its limits;
+# the numbers are also those of tests/mutation/mutation.toml.
+function(haptogram_port_test name)
+  haptogram_module_test(${name} udp_link PARAMETERS RX_BITS=12 PEER_CLOCKS=40000 GATHER_CLOCKS=60 ${ARGN})
+endfunction()
+
 # haptogram_net_test(NAME BOARD CASES FILE… [SOURCES FILE…] [PROGRAM NAME [VERILATOR …]]): the same of the whole instrument behind a network port, as it is on a board.
 function(haptogram_net_test name board)
   cmake_parse_arguments(PARSE_ARGV 2 ARG "" "PROGRAM" "CASES;SOURCES;VERILATOR")

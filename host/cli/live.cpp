@@ -241,11 +241,11 @@ void tell_setting(Report& report, const LiveCommand& command, const live::LoopRe
     }
     if (command.algorithm == "still")
         report.tell(fmt::format("focus             still, modulated at {:g} Hz", command.fingers.ring.still_am_hz));
-    if (command.fingers.magnitude)
+    if (command.fingers.magnitude) {
         report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
                                 *command.fingers.magnitude, done.without_magnitude));
-    if (command.fingers.magnitude)
         report.add("level", level_json(transducer), "                  " + level_text(transducer));
+    }
 }
 
 /// What came in and made no sense, and what went out and found no room.

@@ -62,10 +62,10 @@ struct LiftReport {
 /// a seen cube, sees through the simulated cameras and the scene:
 /// - A seen cube: it closes the fingers on the cube's middle, across two opposite faces, until it feels or sees each of
 ///   them in, and then by `squeeze_m` more. It lifts and holds.
-/// - A hidden cube: it closes along x about the room's middle. The first finger that feels stays for `looks` shots: the
-///   face is taken to lie across the way from the middle of the round fingertip to where it is felt, and the hand turns
-///   about that fingertip so that it meets the face squarely. Then the other one closes. With nothing to feel, both
-///   close to half of the smallest cube's width.
+/// - A hidden cube: it closes along x about the room's middle. The first finger that feels stays for `looks` shots: how
+///   far off its middle, sideways, it feels says how the face is turned, and the hand turns about that round fingertip
+///   so that it meets the face squarely. Then the other one closes. With nothing to feel, both close to half of the
+///   smallest cube's width.
 /// Fingers that meet each other, or that rise without the cube, open and try again.
 /// @throws Error{bad_argument} for measures that are not positive, and as ShotRings
 [[nodiscard]] LiftReport lift(const Array& array, const LiftOptions& options,

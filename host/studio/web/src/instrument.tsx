@@ -14,7 +14,7 @@ interface Given {
 const named = (name: string): [string, string] => [name, name];
 
 export function Strength({ now, set }: Given) {
-  return <NumberField label={labels.amplitude} unit="%" value={Number((100 * (now.amplitude ?? 1)).toPrecision(12))} step={5} least={0.1} most={100} onValue={(percent) => set({ amplitude: percent === 100 ? undefined : Number((percent / 100).toFixed(6)) })} />;
+  return <NumberField label={labels.amplitude} unit="%" value={Number((100 * (now.amplitude ?? 1)).toPrecision(12))} step={5} least={0.1} most={100} onValue={(percent) => set({ amplitude: percent === 100 ? undefined : Number((percent / 100).toPrecision(12)) })} />;
 }
 
 const sides: [string, string][] = [["", "evenly strong"], ["left", "at the left (−x)"], ["right", "at the right (+x)"], ["front", "in front (−y)"], ["back", "at the back (+y)"], ["below", "below (−z)"], ["above", "above (+z)"]];
