@@ -67,6 +67,20 @@ def open_line(port: str, baud: int | None = None, stopped: Callable[[], bool] = 
         raise
 
 
+def _wrong_rate(port: str, baud: int, error: HaptogramError, stopped: Callable[[], bool]) -> HaptogramError:
+    """What the board that is silent at `baud` does at the rates of all boards. The port is closed."""
+    answered: list[int] = []
+    try:
+        open_line(port, None, stopped, found=answered.append).close()
+    except rates.NoAnswer:
+        tried = f"nor is there one at another rate than {baud} baud: {', '.join(map(str, KNOWN_RATES))} were tried"
+        return device_error(error.where, f"{error.message}; {tried}")
+    right = answered[0] if answered else rates.remembered(port)
+    if right == baud:
+        return error  # by now it answers
+    return device_error(error.where, f"no answer to identify at {baud} baud, but at {right}: give that rate, or none, and it is found")
+
+
 class Client:
     """Speaks to a board, whose session it begins. As a context manager it closes its line at the end; what turns the
     outputs off is outputs(). Methods raise HaptogramError when the board refuses or does not answer."""
@@ -88,9 +102,8 @@ class Client:
             return cls(line, stopped)
         except BaseException as error:
             line.close()
-            if baud and isinstance(error, HaptogramError) and "no answer to identify" in error.message:
-                tried = f"only {baud} baud was tried, as asked; without a rate, {', '.join(map(str, KNOWN_RATES))} are"
-                raise device_error(error.where, f"{error.message}; {tried}") from error
+            if baud and isinstance(error, HaptogramError) and "no answer to identify" in error.message and not names_udp(port):
+                raise _wrong_rate(port, baud, error, stopped) from error
             raise
 
     def __enter__(self) -> Self:

@@ -31,11 +31,14 @@ Device::Device(const PortSettings& settings) try : Client(open_port(settings)) {
 } catch (const LinkLost& lost) {  // the port is closed
     if (!settings.baud || names_udp(settings.port)) throw;
     const auto rate = rate_of(settings);
-    throw LinkLost(lost.where(),
-                   fmt::format("{}; {}", lost.message(),
-                               rate ? fmt::format("it answers at {} baud, not {}", *rate, *settings.baud)
-                                    : fmt::format("nor is there one at another rate than {} baud: {} were tried",
-                                                  *settings.baud, fmt::join(known_rates, ", "))));
+    if (rate == settings.baud) throw;  // by now it answers
+    if (rate)
+        throw LinkLost(
+            lost.where(),
+            fmt::format("no answer to identify at {} baud, but at {}: give that rate, or none, and it is found",
+                        *settings.baud, *rate));
+    throw LinkLost(lost.where(), fmt::format("{}; nor is there one at another rate than {} baud: {} were tried",
+                                             lost.message(), *settings.baud, fmt::join(known_rates, ", ")));
 }
 
 std::vector<FoundDevice> devices_behind(const PortSettings& settings) {
