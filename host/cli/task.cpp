@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include "command.hpp"
 #include "haptogram/array/millimetres.hpp"
@@ -15,6 +16,7 @@
 #include "haptogram/live/lift_task.hpp"
 #include "haptogram/live/surface_task.hpp"
 #include "haptogram/live/to_json.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "interrupt.hpp"
 #include "report.hpp"
 
@@ -57,16 +59,20 @@ void add_shared(CLI::App& sub, TaskCommand& command) {
     sub.add_flag("--json", command.json, "Print as JSON, each trial among it");
 }
 
-/// Calls one(array, trial, random) for each trial until all are done or the user interrupts. @return what it returned
+/// Calls one(array, trial, random) for each trial until all are done or the user interrupts, and reports what it
+/// returned, and the level by which it was felt. @return the number of trials
 template <class One>
-ordered_json each_trial(const TaskCommand& command, One one) {
+std::size_t each_trial(const TaskCommand& command, Report& report, One one) {
     catch_interrupts();
     const Array array = joined(find_rig(command.rig));
     std::mt19937_64 random(command.seed);
     ordered_json trials = ordered_json::array();
     for (std::size_t trial = 1; trial <= command.trials && !interrupted(); ++trial)
         trials.push_back(one(array, trial, random));
-    return trials;
+    const std::size_t count = trials.size();
+    report.add("trials", std::move(trials));
+    if (command.felt != "none") report.add("level", level_json(array.transducer), level_text(array.transducer));
+    return count;
 }
 
 /// Over the trials that succeeded.
@@ -85,7 +91,8 @@ int lift_cubes(const TaskCommand& command) {
     Report report;
     Mean time_s, force_n;
     double made_j = 0.0;
-    const ordered_json trials = each_trial(command, [&](const Array& array, std::size_t trial, auto& random) {
+    report.add("task", "lift").add("sight", command.hidden ? "hidden" : "seen").add("felt", command.felt);
+    const std::size_t trials = each_trial(command, report, [&](const Array& array, std::size_t trial, auto& random) {
         live::LiftOptions options;
         options.cameras = cameras_of(command, trial);
         options.seen = !command.hidden;
@@ -112,9 +119,7 @@ int lift_cubes(const TaskCommand& command) {
         }
         return live::to_json(options, one);
     });
-    report.add("task", "lift").add("sight", command.hidden ? "hidden" : "seen").add("felt", command.felt);
-    report.add("trials", trials);
-    report.add("lifted", time_s.count, fmt::format("lifted      {} of {}", time_s.count, trials.size()));
+    report.add("lifted", time_s.count, fmt::format("lifted      {} of {}", time_s.count, trials));
     if (time_s.count > 0) {
         report.add("mean_time_s", time_s.value(),
                    fmt::format("mean time   {:.2f} s from the first touch", time_s.value()));
@@ -130,7 +135,8 @@ int lift_cubes(const TaskCommand& command) {
 int find_surfaces(const TaskCommand& command) {
     Report report;
     Mean angle_deg, height_mm, time_s;
-    const ordered_json trials = each_trial(command, [&](const Array& array, std::size_t trial, auto& random) {
+    report.add("task", "surface").add("felt", command.felt);
+    const std::size_t trials = each_trial(command, report, [&](const Array& array, std::size_t trial, auto& random) {
         live::SurfaceOptions options;
         options.cameras = cameras_of(command, trial);
         options.cameras.count = 1;
@@ -151,9 +157,7 @@ int find_surfaces(const TaskCommand& command) {
         if (one.done) time_s.add(one.time_s);
         return live::to_json(options, one);
     });
-    report.add("task", "surface").add("felt", command.felt);
-    report.add("trials", trials);
-    report.add("answered", time_s.count, fmt::format("answered    {} of {}", time_s.count, trials.size()));
+    report.add("answered", time_s.count, fmt::format("answered    {} of {}", time_s.count, trials));
     if (angle_deg.count > 0) {
         report.add("mean_angle_error_deg", angle_deg.value(),
                    fmt::format("angle       off by {:.2f}° on average", angle_deg.value()));

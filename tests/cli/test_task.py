@@ -28,6 +28,7 @@ def test_a_ring_helps_a_finger_and_nothing_leaves_it_guessing():
         found[felt] = json.loads(succeed(words, timeout=120).stdout)
     assert all(t["asked_deg"] == -30 and t["asked_mm"] == 4 and not t["guessed"] and t["felt_places"] >= 2 for t in found["dynamic"]["trials"])
     assert all(t["guessed"] and t["felt_places"] == 0 for t in found["none"]["trials"])
+    assert found["dynamic"]["level"]["note"].startswith("nominal") and "level" not in found["none"]  # of what is felt
     assert found["none"]["answered"] == 0 and found["dynamic"]["answered"] == 4
     assert found["dynamic"]["mean_angle_error_deg"] < 25 < found["none"]["mean_angle_error_deg"]
 
