@@ -11,6 +11,7 @@
 #include <ctime>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -25,13 +26,13 @@
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "haptogram/verbs/calibration_files.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "interrupt.hpp"
 #include "level_options.hpp"
 #include "port.hpp"
-#include "recording.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -247,73 +248,6 @@ void draw(const std::string& path, const Array& array, const Calibrated& found) 
     picture.draw(path, ".toml and --json");
 }
 
-/// What one file says of one place, or of each of a stage's.
-struct HeardPart {
-    Vec3 off;
-    std::vector<double> amplitudes;  ///< of the records of steps_image(); or
-    ElementSounds sounds;            ///< of a part's elements
-};
-
-std::vector<HeardPart> heard_in(const std::string& file, const Array& array, CodePart part) {
-    const std::size_t elements = elements_of_part(array, part).size();
-    std::vector<HeardPart> found;
-    if (const auto scan = read_scan(file)) {
-        for (const StageReadings& place : scan->places) {
-            HeardPart& one = found.emplace_back();
-            one.off = place.off;
-            if (scan->amplitudes)
-                for (const auto& reading : place.readings) one.amplitudes.push_back(reading.real());
-            else
-                one.sounds = from_patterns(place.readings, elements, file, part.number);
-        }
-    } else if (auto readings = read_steps(file)) {
-        found.push_back({{}, std::move(*readings), {}});
-    } else {
-        found.push_back({{}, {}, decode(read_recording(file), elements, array.carrier_hz, part.number)});
-    }
-    return found;
-}
-
-/// The files of a code's parts, which a comma joins.
-std::vector<std::string> parts_of(const std::string& recording) {
-    if (std::filesystem::exists(recording)) return {recording};
-    std::vector<std::string> files;
-    for (std::size_t begin = 0; begin <= recording.size();) {
-        const std::size_t end = std::min(recording.find(',', begin), recording.size());
-        files.push_back(recording.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return files;
-}
-
-/// What the files of one --at say; a stage's zero is there.
-void hear(const std::string& recording, const Array& array, Vec3 at, std::vector<HeardAt>& heard) {
-    const std::vector<std::string> files = parts_of(recording);
-    std::vector<std::vector<HeardPart>> parts;
-    for (std::size_t p = 0; p < files.size(); ++p) {
-        parts.push_back(heard_in(files[p], array, {p + 1, files.size()}));
-        const auto alike = [](const HeardPart& a, const HeardPart& b) {
-            return a.off == b.off && a.amplitudes.empty() == b.amplitudes.empty();
-        };
-        if (!std::ranges::equal(parts.back(), parts.front(), alike))
-            throw bad_input(files[p],
-                            fmt::format("it is read at other places or by another meter than {}; the parts of "
-                                        "a code belong to one microphone at one place, or to one scan",
-                                        files.front()));
-    }
-    for (std::size_t place = 0; place < parts.front().size(); ++place) {
-        std::vector<double> amplitudes;
-        std::vector<ElementSounds> sounds;
-        for (const std::vector<HeardPart>& part : parts) {
-            amplitudes.insert(amplitudes.end(), part[place].amplitudes.begin(), part[place].amplitudes.end());
-            sounds.push_back(part[place].sounds);
-        }
-        heard.push_back(
-            {amplitudes.empty() ? join_parts(array, sounds, recording) : from_steps(array, amplitudes, at, recording),
-             at + parts.front()[place].off});
-    }
-}
-
 int calibrate(const CalibrateCommand& command) {
     if (command.recordings.size() != command.places.size())
         throw bad_argument("at",
@@ -329,7 +263,7 @@ int calibrate(const CalibrateCommand& command) {
     if (!command.picture.empty()) outputs.push_back({"--picture", command.picture});
     std::vector<NamedPath> inputs;
     for (const std::string& recording : command.recordings)
-        for (const std::string& file : parts_of(recording)) inputs.push_back({"the recording", file});
+        for (const std::string& file : files_of_recording(recording)) inputs.push_back({"the recording", file});
     require_distinct(inputs, outputs);
     const Array array = array_of(command);
     CalibrateOptions options;
@@ -341,7 +275,8 @@ int calibrate(const CalibrateCommand& command) {
         std::vector<HeardAt> heard;
         names.clear();
         for (std::size_t k = 0; k < command.recordings.size(); ++k) {
-            hear(command.recordings[k], one, parse_point_mm("at", command.places[k]), heard);
+            std::ranges::move(hear(command.recordings[k], one, parse_point_mm("at", command.places[k])),
+                              std::back_inserter(heard));
             names.resize(heard.size(), command.recordings[k]);
         }
         return heard;

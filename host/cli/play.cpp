@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
+#include <utility>
 
 #include "command.hpp"
 #include "haptogram/array/medium.hpp"
@@ -23,6 +22,7 @@
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/project.hpp"
+#include "haptogram/verbs/trigger_reader.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
@@ -44,44 +44,6 @@ struct PlayOptions {
     std::string temperature_from;  ///< a sensor's lines; "": there is none
     std::string triggers;          ///< a project that has them; "": it does not wait for any
     bool json = false;
-};
-
-/// Lines of standard input that fire triggers. What they do not say is told, and goes on.
-class StandardInput final : public link::TriggerSource {
-public:
-    explicit StandardInput(std::span<const Trigger> triggers) : lines_(triggers) {
-        const auto needs_line = [](const Trigger& trigger) { return trigger.on != Trigger::On::pin; };
-        if (std::ranges::any_of(triggers, needs_line)) text_.emplace("-");
-    }
-
-    std::optional<std::size_t> next(std::chrono::milliseconds patience) override {
-        if (ended()) std::this_thread::sleep_for(patience);
-        const auto until = std::chrono::steady_clock::now() + patience;
-        while (fired_.empty() && !ended()) {
-            const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
-            const auto line = text_->next(std::max(left, std::chrono::milliseconds(0)));
-            if (line) take(*line);
-            if (left.count() <= 0) break;
-        }
-        if (fired_.empty()) return {};
-        const std::size_t first = fired_.front();
-        fired_.pop_front();
-        return first;
-    }
-    [[nodiscard]] bool ended() const override { return fired_.empty() && (!text_ || text_->ended()); }
-
-private:
-    void take(const std::string& line) {
-        try {
-            for (const std::size_t number : lines_.fired(line, text_->where())) fired_.push_back(number);
-        } catch (const Error& error) {
-            complain(error.what());
-        }
-    }
-
-    TriggerLines lines_;
-    std::optional<LiveText> text_;
-    std::deque<std::size_t> fired_;
 };
 
 /// The foci of a board follow what was said of the air: once, or by lines of a sensor, as they come.
@@ -139,7 +101,10 @@ link::Played play_parts(const PlayOptions& options, link::Device& device, const 
     if (carried == sequence.entries.end())
         throw Error(ErrorCode::device, "board", "the sequence in its memory plays no record; upload an image first");
     const auto parts = parts_of(project.triggers, sequence.entries, link::record_carrier_hz(device, carried->index));
-    StandardInput input(project.triggers);
+    std::optional<LiveText> lines;
+    if (std::ranges::any_of(project.triggers, [](const Trigger& trigger) { return trigger.on != Trigger::On::pin; }))
+        lines.emplace("-");
+    TriggerReader input(project.triggers, std::move(lines), complain);
     return link::play(device, settings, parts, input, watch);
 }
 

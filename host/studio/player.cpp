@@ -59,7 +59,8 @@ private:
 /// The parts that are to start.
 class Player::Fired final : public link::TriggerSource {
 public:
-    explicit Fired(std::size_t parts) : parts_(parts) {}
+    /// @param lines  that start them, too
+    Fired(std::size_t parts, std::unique_ptr<TriggerReader> lines) : parts_(parts), lines_(std::move(lines)) {}
 
     void put(std::size_t part) {
         if (part >= parts_) throw bad_argument("trigger", fmt::format("found {}, of {} from 0 on", part, parts_));
@@ -70,14 +71,20 @@ public:
         changed_.notify_all();
     }
     std::optional<std::size_t> next(std::chrono::milliseconds patience) override {
+        if (lines_)
+            if (const auto fired = lines_->next(std::chrono::milliseconds(1))) return fired;
         std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, patience, [this] { return asked_.has_value(); });
+        changed_.wait_for(lock, lines_ ? std::min(patience, lines_pause) : patience,
+                          [this] { return asked_.has_value(); });
         return std::exchange(asked_, {});
     }
     [[nodiscard]] bool ended() const override { return false; }
 
 private:
+    static constexpr std::chrono::milliseconds lines_pause{5};
+
     const std::size_t parts_;
+    const std::unique_ptr<TriggerReader> lines_;
     std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<std::size_t> asked_;
@@ -272,13 +279,16 @@ std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
     return ask({.name = "upload", .act = act});
 }
 
-std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts) {
-    const auto act = [this, scene = std::move(scene), parts = std::move(parts)](link::Commands& device,
-                                                                                std::uint64_t number) {
+std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts,
+                           const std::string& lines) {
+    if (!lines.empty()) (void)LiveText::of_pipe(lines, "lines");  // a wrong one is said before anything is brought
+    const auto act = [this, scene = std::move(scene), parts = std::move(parts), lines](link::Commands& device,
+                                                                                       std::uint64_t number) {
         ordered_json report;
         bring(device, "play", number, *scene, report);
         link::Intensity intensity(scene->compiled.bundle.image);
-        const auto fired = parts.empty() ? nullptr : std::make_shared<Fired>(parts.size());
+        const auto fired =
+            parts.empty() ? nullptr : std::make_shared<Fired>(parts.size(), reader(*scene, lines, number));
         {
             const std::lock_guard lock(mutex_);
             playing_ = scene;
@@ -290,6 +300,16 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link:
         return report;
     };
     return ask({.name = "play", .act = act});
+}
+
+std::unique_ptr<TriggerReader> Player::reader(const Scene& scene, const std::string& lines,
+                                              std::uint64_t number) const {
+    if (lines.empty()) return {};
+    return std::make_unique<TriggerReader>(
+        scene.settings.triggers, LiveText::of_pipe(lines, "lines"), [this, number](const std::string& wrong) {
+            settings_.work(
+                {{"t", "progress"}, {"work", "play"}, {"number", number}, {"stage", "play"}, {"line", wrong}});
+        });
 }
 
 void Player::trigger(std::size_t part) {

@@ -194,7 +194,8 @@ private:
     }
 
     void act(Visitor& visitor, const PlayMessage& message) {
-        drive(visitor, message.n, [&] { return player_.play(scenes_.find(message.scene), message.triggers); });
+        drive(visitor, message.n,
+              [&] { return player_.play(scenes_.find(message.scene), message.triggers, message.lines); });
     }
 
     void act(Visitor& visitor, const TriggerMessage& message) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triggers: made in the page, the same in the project, and fired by keys and buttons while the virtual board plays.
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { appendFileSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { accessible, boardSays, eventually, folder, openPage, panel, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
@@ -21,7 +22,10 @@ test("triggers are made in the page, and a key or a button starts its part on th
   await triggers.getByRole("button", { name: "Add a trigger" }).click();
   await triggers.getByRole("button", { name: "Add a trigger" }).click();
   await fill(page, "Trigger 1 plays to", 0.05);
-  await fill(page, "Key of trigger 1", "q");
+  await page.getByLabel("Key of trigger 1", { exact: true }).fill("q");
+  await settled(page); // what is typed stays when the page is drawn anew
+  assert.equal(await page.getByLabel("Key of trigger 1", { exact: true }).inputValue(), "q");
+  await page.getByLabel("Key of trigger 1", { exact: true }).press("Enter");
   await page.getByLabel("Trigger 2 is", { exact: true }).selectOption("region");
   await fill(page, "Diameter of region 2", 80);
   await fill(page, "Trigger 2 plays so often", 0);
@@ -68,4 +72,44 @@ test("triggers are made in the page, and a key or a button starts its part on th
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
   assert.equal(await buttons.count(), 0);
+});
+
+test("words of a script and hands that enter a region start their parts by a named pipe", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await fill(page, "Focal points", 8);
+  await page.locator("[data-step=Make]").click();
+  const triggers = panel(page, "Triggers");
+  await triggers.getByRole("button", { name: "Add a trigger" }).click();
+  assert.equal(await page.getByLabel("Pipe of lines").count(), 0); // a key needs none
+  await triggers.getByRole("button", { name: "Add a trigger" }).click();
+  await page.getByLabel("Trigger 1 is", { exact: true }).selectOption("line");
+  await fill(page, "Line of trigger 1", "go");
+  await fill(page, "Trigger 1 plays so often", 0);
+  await page.getByLabel("Trigger 2 is", { exact: true }).selectOption("region");
+  const pipe = join(await folder(t), "lines");
+  await fill(page, "Pipe of lines", pipe);
+  await settled(page);
+  // What is no pipe is said, and nothing plays; then it waits, with nobody at its other end.
+  const play = async () => {
+    await page.locator("[data-step=Play]").click();
+    await page.locator("button.play").first().click();
+  };
+  await play();
+  await page.getByText(/lines cannot be opened: No such file.*mkfifo/).waitFor();
+  execFileSync("mkfifo", [pipe]);
+  await play();
+  await boardSays(page, "outputs ON");
+  await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
+  appendFileSync(pipe, "stop\n");
+  await page.getByText("found 'stop', expected 'go' or a scene of a live session").waitFor();
+  appendFileSync(pipe, "go\n");
+  await boardSays(page, "sequence"); // on and on
+  const hand = (x) => `${JSON.stringify({ scene: 2, hands: [{ palm_mm: [x, 0, 150], fingers_mm: [] }] })}\n`;
+  appendFileSync(pipe, hand(100) + hand(0) + hand(10)); // which ends that, and itself
+  await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
+  appendFileSync(pipe, "go\n");
+  await boardSays(page, "sequence");
+  await page.keyboard.press("Escape");
+  await boardSays(page, "outputs off");
 });

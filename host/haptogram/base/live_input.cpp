@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/system.hpp"
@@ -19,6 +20,24 @@ LiveInput::LiveInput(const std::string& path)
                         fmt::format("cannot be opened: {}; check the path", std::generic_category().message(errno)));
     is_file_ = system::is_file(descriptor_);
     system::widen_pipe(descriptor_);  // pictures are larger than the 64 KiB that a pipe usually holds
+}
+
+LiveInput::LiveInput(std::string name, int descriptor) : name_(std::move(name)), descriptor_(descriptor) {
+    system::widen_pipe(descriptor_);
+}
+
+LiveInput::LiveInput(LiveInput&& other) noexcept
+    : name_(std::move(other.name_)),
+      descriptor_(std::exchange(other.descriptor_, 0)),
+      ended_(other.ended_),
+      is_file_(other.is_file_) {}
+
+LiveInput LiveInput::of_pipe(const std::string& path, const std::string& what) {
+    const int descriptor = system::open_pipe(path);
+    if (descriptor >= 0) return {path, descriptor};
+    throw bad_argument(what, errno == ESPIPE ? fmt::format("{} is no named pipe; make one with mkfifo", path)
+                                             : fmt::format("{} cannot be opened: {}; make a named pipe with mkfifo",
+                                                           path, std::generic_category().message(errno)));
 }
 
 LiveInput::~LiveInput() {

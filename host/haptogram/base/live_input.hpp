@@ -13,7 +13,10 @@ public:
     /// @param path  "-" is standard input
     /// @throws Error{bad_input} when it cannot be opened
     explicit LiveInput(const std::string& path);
-    LiveInput(const LiveInput&) = delete;
+    /// A named pipe that any program may write to, now or later, one after the other: it has no end.
+    /// @throws Error{bad_argument} naming `what` when the path is no such pipe
+    [[nodiscard]] static LiveInput of_pipe(const std::string& path, const std::string& what);
+    LiveInput(LiveInput&& other) noexcept;
     LiveInput& operator=(const LiveInput&) = delete;
     ~LiveInput();
 
@@ -28,8 +31,10 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
 
 private:
+    LiveInput(std::string name, int descriptor);
+
     std::string name_;
-    int descriptor_;
+    int descriptor_;  // 0, which is not closed: standard input
     bool ended_ = false, is_file_ = false;
 };
 
@@ -38,6 +43,9 @@ class LiveText {
 public:
     /// As LiveInput.
     explicit LiveText(const std::string& path) : input_(path) {}
+    [[nodiscard]] static LiveText of_pipe(const std::string& path, const std::string& what) {
+        return LiveText(path, what);
+    }
 
     /// The next line without its end; empty when there is none yet.
     std::optional<std::string> next(std::chrono::milliseconds patience);
@@ -47,6 +55,8 @@ public:
     [[nodiscard]] std::string where() const;
 
 private:
+    LiveText(const std::string& path, const std::string& what) : input_(LiveInput::of_pipe(path, what)) {}
+
     LiveInput input_;
     std::string text_;
     std::size_t number_ = 0;

@@ -12,6 +12,8 @@ namespace haptogram::system {
 
 /// @return a descriptor of bytes, not of lines; −1 when it fails
 [[nodiscard]] int open_to_read(const std::filesystem::path& path);
+/// A named pipe that is not waited for, and whose end no writer brings.
+[[nodiscard]] int open_pipe(const std::filesystem::path& path);
 [[nodiscard]] int open_to_write(const std::filesystem::path& path);
 /// A new file with a name of its own beside `target`, whose rights are the target's, or those of any new file.
 /// @return its descriptor, −1 when it fails

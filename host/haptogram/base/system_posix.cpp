@@ -23,6 +23,15 @@ namespace haptogram::system {
 namespace fs = std::filesystem;
 
 int open_to_read(const fs::path& path) { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC); }
+
+int open_pipe(const fs::path& path) {
+    struct stat status = {};
+    if (::stat(path.c_str(), &status) != 0) return -1;
+    if (S_ISFIFO(status.st_mode)) return ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);  // its own writer, too
+    errno = ESPIPE;
+    return -1;
+}
+
 int open_to_write(const fs::path& path) { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC); }
 
 std::pair<int, fs::path> create_beside(const fs::path& target) {

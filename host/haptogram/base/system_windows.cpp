@@ -55,6 +55,10 @@ private:
 }  // namespace
 
 int open_to_read(const fs::path& path) { return ::_wopen(path.c_str(), _O_RDONLY | _O_BINARY | _O_NOINHERIT); }
+int open_pipe(const fs::path&) {
+    errno = ENOSYS;  // a named pipe has no path here
+    return -1;
+}
 int open_to_write(const fs::path& path) { return ::_wopen(path.c_str(), _O_WRONLY | _O_BINARY | _O_NOINHERIT); }
 
 std::pair<int, fs::path> create_beside(const fs::path& target) {

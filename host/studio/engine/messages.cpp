@@ -363,8 +363,9 @@ Message read_message(std::string_view text) {
         return UploadMessage{members.whole("n"), members.text("scene")};
     }
     if (type == "play") {
-        members.only({"n", "scene", "triggers"});
-        return PlayMessage{members.whole("n"), members.text("scene"), triggers_of(members)};
+        members.only({"n", "scene", "triggers", "lines"});
+        return PlayMessage{members.whole("n"), members.text("scene"), triggers_of(members),
+                           members.has("lines") ? members.text("lines") : ""};
     }
     if (type == "trigger") {
         members.only({"n", "number"});

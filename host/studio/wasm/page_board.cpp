@@ -159,6 +159,7 @@ void PageBoard::let_go() {
 void PageBoard::act(const UploadMessage& message) { player().upload(image_of(message.scene)); }
 
 void PageBoard::act(const PlayMessage& message) {
+    if (!message.lines.empty()) throw bad_argument("lines", "a page reads no pipes; open the design in the program");
     sight_.seen();
     player().play(image_of(message.scene), message.triggers);
 }

@@ -10,6 +10,7 @@ import { Pen } from "./pen";
 import { look, quantities } from "./quantity";
 import type { Session } from "./session";
 import { evenly, farthest, type Sample, smoothed } from "./stroke";
+import { readsLines } from "./triggers";
 import { type Actions, boardOf, noProgram, shownRecord, state, tell } from "./state";
 
 const linePlaces = 200; // that a drawn line is passed at
@@ -60,7 +61,9 @@ export function actionsOf(session: Session, link: Link): Actions {
         state.playsNext.value = true;
         link.send({ t: "connect", port: noProgram.value ? "" : "virtual", scene: scene.name });
       } else {
-        link.send({ t: "play", scene: scene.name, triggers: scene.triggers });
+        const lines = readsLines(project.value) && !noProgram.value ? state.lines.value : "";
+        state.wrongLine.value = undefined;
+        link.send({ t: "play", scene: scene.name, triggers: scene.triggers, ...(lines && { lines }) });
         state.played.value = scene.name;
       }
     },

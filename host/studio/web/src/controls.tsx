@@ -76,6 +76,22 @@ export function NumberField(props: Omit<NumberProps, "onValue" | "value" | "empt
 }
 
 /** The same for a number that need not be there. */
+/** A word that is taken when its field is left. What is typed stays while the page draws itself anew. @param onWord  what is not taken is gone */
+export function WordField({ label, name, value, hint, id, onWord }: { label: string; name?: string; value: string; hint?: string; id?: string; onWord: (word: string) => void }) {
+  const own = useId();
+  const [typed, setTyped] = useState<string>();
+  const take = (given: string): void => {
+    setTyped(undefined);
+    if (given.trim() !== value) onWord(given.trim());
+  };
+  return (
+    <div class="field">
+      <label for={id ?? own}>{label}</label>
+      <input id={id ?? own} type="text" class="name" aria-label={name} placeholder={hint} value={typed ?? value} onInput={(e) => setTyped(e.currentTarget.value)} onBlur={(e) => take(e.currentTarget.value)} onKeyDown={(e) => e.key === "Enter" && take(e.currentTarget.value)} />
+    </div>
+  );
+}
+
 export function MaybeField(props: NumberProps) {
   const id = useId();
   const [wrong, setWrong] = useState("");

@@ -264,7 +264,8 @@ export class Session {
     } else if (event.t === "error") {
       state.failure.value = event.error;
     } else if (event.t === "progress" || event.t === "done" || event.t === "stopped") {
-      state.work.value = event;
+      if (event.t === "progress" && event.line !== undefined) state.wrongLine.value = event.line;
+      else state.work.value = event;
     }
   }
 

@@ -97,6 +97,10 @@ export const state = {
   failure: signal<Failure | undefined>(undefined),
   device: signal<Device>({ t: "device", connection: "none" }),
   work: signal<Event | undefined>(undefined),
+  /** A named pipe whose lines fire triggers while it plays; "": none. */
+  lines: signal(""),
+  /** What is wrong with the last of them that said nothing. */
+  wrongLine: signal<string | undefined>(undefined),
   middle: signal<Point>([0, 0, 130]),
   orientation: signal<Orientation>("xy"),
   handles: signal<Handles>("plane move"),

@@ -2,6 +2,7 @@
 // The bar at the top: the design and its files, the three steps, and Play, which never moves.
 import { Contrast, Eye, FolderOpen, Hand, Moon, PencilRuler, Play, Redo2, Save, Sun, Undo2 } from "lucide-preact";
 import { useEffect, useRef } from "preact/hooks";
+import { WordField } from "./controls";
 import { canRedo, canUndo, designName, isSaved, redo, rename, undo } from "./document";
 import { designs, keptAt } from "./keeper";
 import { type Actions, boards, noProgram, state, type StepName, stepNames } from "./state";
@@ -27,7 +28,7 @@ function DesignMenu({ actions }: WithActions) {
     <details class="menu" ref={menu}>
       <summary title="Open, save, recent designs"><b>{designName.value || "Haptogram studio"}</b> <small class="wide-only">{words}</small></summary>
       <div class="sheet">
-        <div class="field"><label for="design">Name</label><input id="design" class="name" type="text" value={designName.value} onChange={(e) => rename(e.currentTarget.value.trim().replaceAll("/", "-"))} /></div>
+        <WordField label="Name" id="design" value={designName.value} onWord={(name) => rename(name.replaceAll("/", "-"))} />
         <button type="button" class="wide" onClick={() => { close(); void actions.saveBundle(); }}><Save size={16} aria-hidden="true" /> Save as a bundle <kbd>Ctrl S</kbd></button>
         <label class="button wide"><FolderOpen size={16} aria-hidden="true" /> Open a file
           <input class="hidden" type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.adaptics,.json,.lz,.pose,.wav" onChange={(e) => { close(); void actions.drop([...(e.currentTarget.files ?? [])]); e.currentTarget.value = ""; }} />

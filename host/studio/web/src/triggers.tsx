@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triggers: what starts a part of the pass while the outputs are on.
-import { Choice, MaybeField, NumberField, Panel, PointField } from "./controls";
+import { Choice, MaybeField, NumberField, Panel, PointField, WordField } from "./controls";
 import { edit, having, project, type ProjectDocument, type TriggerTable } from "./document";
 import { labels } from "./labels";
 import type { Trigger } from "./link";
-import { type Actions, state } from "./state";
+import { type Actions, noProgram, state } from "./state";
 
 const kinds = [["key", "a key"], ["pin", "the board's trigger pin"], ["region", "a hand that enters a region"], ["line", "a line of a script"]] as const;
 type Kind = (typeof kinds)[number][0];
@@ -43,15 +43,14 @@ export function Triggers({ now }: { now: ProjectDocument }) {
         const change = (changes: Partial<Record<keyof TriggerTable, unknown>>): void => put((all) => all.map((old, k) => (k === i ? (Object.fromEntries(Object.entries({ ...old, ...changes }).filter(([, value]) => value !== undefined)) as unknown as TriggerTable) : old)));
         const kind = kindOf(each);
         const word = (text: string): void => {
-          const most = kind === "key" ? 1 : 40;
-          const given = kind === "key" ? text.slice(-1) : text.trim();
-          if (/^[!-z|}~]([ -~]*[!-~])?$/.test(given) && given.length <= most && !others.some((other) => wordOf(other) === given)) change({ on: `${kind}:${given}` });
+          const given = kind === "key" ? text.slice(-1) : text;
+          if (/^[!-z|}~]([ -~]*[!-~])?$/.test(given) && given.length <= 40 && !others.some((other) => wordOf(other) === given)) change({ on: `${kind}:${given}` });
         };
         return (
           <fieldset key={i} class="trigger">
             <legend>Trigger {i + 1}</legend>
             <Choice label={`Trigger ${i + 1} is`} value={kind} choices={kinds.filter(([key]) => key !== "pin" || kind === "pin" || !others.some(({ on }) => on === "pin")).map(([key, name]): [string, string] => [key, name])} onValue={(key) => put((all) => all.map((old, k) => (k === i ? ofKind(old, key as Kind, all.filter((each) => each !== old)) : old)))} />
-            {(kind === "key" || kind === "line") && <label class="field">{kind === "key" ? "Key" : "Line"} <input type="text" class="name" aria-label={`${kind === "key" ? "Key" : "Line"} of trigger ${i + 1}`} value={wordOf(each)} onChange={(e) => { word(e.currentTarget.value); e.currentTarget.value = wordOf(each); }} /></label>}
+            {(kind === "key" || kind === "line") && <WordField label={kind === "key" ? "Key" : "Line"} name={`${kind === "key" ? "Key" : "Line"} of trigger ${i + 1}`} value={wordOf(each)} onWord={word} />}
             {kind === "region" && <PointField label="Centre" each={`Region ${i + 1}`} unit="mm" value={each.center_mm ?? [0, 0, 150]} onValue={(center_mm) => change({ center_mm })} />}
             {kind === "region" && <NumberField label={`Diameter of region ${i + 1}`} unit="mm" value={each.size_mm ?? 60} least={1} most={1000} onValue={(size_mm) => change({ size_mm })} />}
             <NumberField label={`Trigger ${i + 1} plays from`} unit="s" value={each.from_s ?? 0} step={0.1} least={0} onValue={(from_s) => change({ from_s: from_s || undefined })} />
@@ -63,16 +62,20 @@ export function Triggers({ now }: { now: ProjectDocument }) {
         );
       })}
       <button type="button" class="wide" onClick={add}>Add a trigger</button>
-      <p class="hint">{triggers.length === 0 ? "Play then turns the outputs on and waits: a key, a pin, a hand or a script starts a part of the movement." : "Keys and the pin work here, and each trigger's button in the step Play. Regions and lines are for “haptogram play --triggers”, which reads them."}</p>
+      {readsLines(now) && !noProgram.value && <WordField label="Lines from" name="Pipe of lines" hint="/tmp/lines" value={state.lines.value} onWord={(pipe) => (state.lines.value = pipe)} />}
+      <p class="hint">{triggers.length === 0 ? "Play then turns the outputs on and waits: a key, a pin, a hand or a script starts a part of the movement." : "Keys and the pin work here, and each trigger's button in the step Play."}{readsLines(now) && (noProgram.value ? " Lines, and hands that enter a region, need the program." : " Lines come from a named pipe (mkfifo): a script's words, or what “haptogram live --scene PIPE” tells of hands, on a board of its own.")}</p>
     </Panel>
   );
 }
+
+/** Whether lines of another program fire some of them. */
+export const readsLines = (now: ProjectDocument | undefined): boolean => (now?.trigger ?? []).some((each) => ["line", "region"].includes(kindOf(each)));
 
 /** While a design that has triggers plays: a button for each that is not the board's own. */
 export function Firing({ actions, triggers, now }: { actions: Actions; triggers: Trigger[]; now: ProjectDocument }) {
   const tables = now.trigger ?? [];
   if (tables.length !== triggers.length) return null;
-  return <div class="buttons" role="group" aria-label="Triggers">{tables.map((each, i) => (each.on === "pin" ? <span key={i} class="hint">Pin: the board starts it.</span> : <button key={i} type="button" onClick={() => actions.send("trigger", { number: i })}>{nameOf(each)}</button>))}</div>;
+  return <><div class="buttons" role="group" aria-label="Triggers">{tables.map((each, i) => (each.on === "pin" ? <span key={i} class="hint">Pin: the board starts it.</span> : <button key={i} type="button" onClick={() => actions.send("trigger", { number: i })}>{nameOf(each)}</button>))}</div>{state.wrongLine.value && <p class="warning">▲ {state.wrongLine.value}</p>}</>;
 }
 
 /** The number of the trigger that a key fires. */

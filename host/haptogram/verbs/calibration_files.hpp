@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "haptogram/array/vec3.hpp"
+#include "haptogram/verbs/calibrate.hpp"
 #include "haptogram/verbs/calibration_code.hpp"
 
-namespace haptogram::cli {
+namespace haptogram {
 
 /// Reads a recording: a WAV file with one channel, or an oscilloscope's CSV: lines of time in seconds and voltage, at
 /// even times, after any lines that begin with no number.
@@ -34,4 +35,11 @@ struct Scan {
 /// @throws Error{bad_input} naming the line
 [[nodiscard]] std::optional<Scan> read_scan(const std::string& file);
 
-}  // namespace haptogram::cli
+/// The files of a code's parts, which a comma joins; a file that is there is one, whatever its name.
+[[nodiscard]] std::vector<std::string> files_of_recording(const std::string& recording);
+
+/// What such files say of one place, or of each of a stage's. @param at  of the microphone, or of the stage's zero
+/// @throws Error{bad_input} naming the file, also for parts that are of other places or another meter than the first
+[[nodiscard]] std::vector<HeardAt> hear(const std::string& recording, const Array& array, Vec3 at);
+
+}  // namespace haptogram

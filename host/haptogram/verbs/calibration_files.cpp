@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "recording.hpp"
+#include "haptogram/verbs/calibration_files.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/waveform.hpp"
 
-namespace haptogram::cli {
+namespace haptogram {
 namespace {
 
 /// The numbers that a line begins with.
@@ -135,4 +139,75 @@ Recording read_recording(const std::string& file) {
     return {file, wave.rate_hz, std::move(wave.samples)};
 }
 
-}  // namespace haptogram::cli
+namespace {
+
+/// What one file says of one place, or of each of a stage's.
+struct HeardPart {
+    Vec3 off;
+    std::vector<double> amplitudes;  ///< of the records of steps_image(); or
+    ElementSounds sounds;            ///< of a part's elements
+};
+
+std::vector<HeardPart> heard_in(const std::string& file, const Array& array, CodePart part) {
+    const std::size_t elements = elements_of_part(array, part).size();
+    std::vector<HeardPart> found;
+    if (const auto scan = read_scan(file)) {
+        for (const StageReadings& place : scan->places) {
+            HeardPart& one = found.emplace_back();
+            one.off = place.off;
+            if (scan->amplitudes)
+                for (const auto& reading : place.readings) one.amplitudes.push_back(reading.real());
+            else
+                one.sounds = from_patterns(place.readings, elements, file, part.number);
+        }
+    } else if (auto readings = read_steps(file)) {
+        found.push_back({{}, std::move(*readings), {}});
+    } else {
+        found.push_back({{}, {}, decode(read_recording(file), elements, array.carrier_hz, part.number)});
+    }
+    return found;
+}
+
+}  // namespace
+
+std::vector<std::string> files_of_recording(const std::string& recording) {
+    if (std::filesystem::exists(recording)) return {recording};
+    std::vector<std::string> files;
+    for (std::size_t begin = 0; begin <= recording.size();) {
+        const std::size_t end = std::min(recording.find(',', begin), recording.size());
+        files.push_back(recording.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return files;
+}
+
+std::vector<HeardAt> hear(const std::string& recording, const Array& array, Vec3 at) {
+    const std::vector<std::string> files = files_of_recording(recording);
+    std::vector<std::vector<HeardPart>> parts;
+    for (std::size_t p = 0; p < files.size(); ++p) {
+        parts.push_back(heard_in(files[p], array, {p + 1, files.size()}));
+        const auto alike = [](const HeardPart& a, const HeardPart& b) {
+            return a.off == b.off && a.amplitudes.empty() == b.amplitudes.empty();
+        };
+        if (!std::ranges::equal(parts.back(), parts.front(), alike))
+            throw bad_input(files[p],
+                            fmt::format("it is read at other places or by another meter than {}; the parts of "
+                                        "a code belong to one microphone at one place, or to one scan",
+                                        files.front()));
+    }
+    std::vector<HeardAt> heard;
+    for (std::size_t place = 0; place < parts.front().size(); ++place) {
+        std::vector<double> amplitudes;
+        std::vector<ElementSounds> sounds;
+        for (const std::vector<HeardPart>& part : parts) {
+            amplitudes.insert(amplitudes.end(), part[place].amplitudes.begin(), part[place].amplitudes.end());
+            sounds.push_back(part[place].sounds);
+        }
+        heard.push_back(
+            {amplitudes.empty() ? join_parts(array, sounds, recording) : from_steps(array, amplitudes, at, recording),
+             at + parts.front()[place].off});
+    }
+    return heard;
+}
+
+}  // namespace haptogram

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptogram/base/live_input.hpp"
+#include "haptogram/verbs/trigger_table.hpp"
+
+namespace haptogram {
+
+/// Lines of another program that fire triggers.
+class TriggerReader final : public link::TriggerSource {
+public:
+    using Told = std::function<void(const std::string&)>;
+
+    /// @param lines  none: nothing fires
+    /// @param told   what is wrong with a line; the next is read
+    TriggerReader(std::vector<Trigger> triggers, std::optional<LiveText> lines, Told told);
+
+    [[nodiscard]] std::optional<std::size_t> next(std::chrono::milliseconds patience) override;
+    [[nodiscard]] bool ended() const override;
+
+private:
+    const std::vector<Trigger> triggers_;
+    TriggerLines fired_by_;
+    std::optional<LiveText> text_;
+    const Told told_;
+    std::deque<std::size_t> fired_;
+};
+
+}  // namespace haptogram
