@@ -29,6 +29,7 @@ SEED = int(os.environ.get("HAPTOGRAM_SEED", "0")) or int(time.time())
 PLACES = [(0, 0, 150), (40, 30, 140), (-40, 20, 170), (20, -40, 120), (-30, -30, 190)]
 FOCUS = (0.005, -0.01, 0.15)
 MISTAKEN = [85, 110]  # seeds of arrays that were
+WRONGLY_NAMED = {"none": [182], "dead": [182], "floating": [64], "echo": [23]}  # seeds of cases that were
 
 
 @pytest.fixture(scope="module")
@@ -335,6 +336,12 @@ def invented_of(named, truth):
     return {cause: found for cause, which in named.items() if (found := [e for e in which if e not in truth.get(cause, [])]) or cause not in truth}
 
 
+def bought_weak(bought):
+    """Of an array's usual spread, those that make less than what is called weak."""
+    gains = abs(bought.response)
+    return [int(e) for e in np.flatnonzero((gains > 0) & (gains < 0.6 * np.median(gains)))]
+
+
 def tell_wrong(kind, cases, missed, invented):
     print(f"{kind}: {cases - len(missed)} of {cases} named, {len(invented)} invented")
     assert not invented and len(missed) <= most_missed(cases), (invented, missed)
@@ -345,15 +352,16 @@ def test_a_fault_is_named_and_no_other(code, tmp_path, kind):
     """The first case is heard in sound files, which takes seconds, the others by a lock-in."""
     phases, _ = model.read_code(code)
     missed, invented = [], []
-    for seed in range(SEED, SEED + CASES):
+    seeds = dict.fromkeys([*range(SEED, SEED + CASES), *WRONGLY_NAMED.get(kind, [])])
+    for seed in seeds:
         bought, room, truth = faulty(kind, np.random.default_rng(seed))
         options = takes(tmp_path, code, bought, PLACES, seed, **room) if seed == SEED else lock_ins(tmp_path, phases, bought, PLACES, seed, **room)
         named = {fault["cause"]: fault["elements"] for fault in calibrate(tmp_path, options)["faults"]}
-        if found := invented_of(named, truth):
+        if found := invented_of(named, {**truth, "weak": truth.get("weak", bought_weak(bought))}):
             invented.append((seed, found, truth))
         elif named != truth:
             missed.append((seed, named, truth))
-    tell_wrong(kind, CASES, missed, invented)
+    tell_wrong(kind, len(seeds), missed, invented)
 
 
 SHIPPED = ("tile-10x10", "tile-7x8", "hoshi-6x6", "driver-tile")

@@ -24,13 +24,14 @@ using std::numbers::pi;
 /// What transducers of one kind differ by, which is what the fit expects; and what no model has: the rms of a room's
 /// echoes, over the direct sound, where one place alone cannot tell it.
 constexpr double gain_spread = 0.15, phase_spread = 0.3, unmodelled = 0.07;
-constexpr double surely = 20.0;    ///< how much better the logarithm of a likelihood is when there is no doubt
-constexpr double unlikely = 1e-5;  ///< of a test: what it calls wrong is right so often
+constexpr double loud_echo = 0.15;  ///< what is named, of the direct sound
+constexpr double surely = 20.0;     ///< how much better the logarithm of a likelihood is when there is no doubt
+constexpr double unlikely = 1e-5;   ///< of a test: what it calls wrong is right so often
 
 /// What a sum of squares over their errors reaches so rarely, of so many free numbers.
-double most_of(std::size_t free) {
+double most_of(std::size_t free, double chance = unlikely) {
     const boost::math::chi_squared squares(static_cast<double>(free));
-    return boost::math::quantile(boost::math::complement(squares, unlikely));
+    return boost::math::quantile(boost::math::complement(squares, chance));
 }
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * pi); }
@@ -306,8 +307,7 @@ private:
     }
 
     void refine() {
-        constexpr int rounds = 12;
-        for (int round = 0; round < rounds; ++round) step();
+        converge();
         if (heard_.size() < 2) return;
         // What the places contradict each other by is the model's error; a median, so that exchanged channels do not
         // count.
@@ -317,7 +317,7 @@ private:
         const double free = 2.0 * static_cast<double>(heard_.size() - 1);
         const double factor = median(std::move(squares)) / boost::math::quantile(boost::math::chi_squared(free), 0.5);
         model_error_ *= std::clamp(std::sqrt(factor), 0.1, 10.0);
-        for (int round = 0; round < rounds; ++round) step();
+        converge();
     }
 
     /// The order of the unknowns: three of each place, the speed, gain and phase of each place, gain and phase of each
@@ -331,8 +331,16 @@ private:
         return of_microphone(heard_.size()) + static_cast<Eigen::Index>(2 * j);
     }
 
+    void converge() {
+        constexpr int rounds = 12;
+        constexpr double enough = 1e-7;
+        for (int round = 0; round < rounds && step() > enough; ++round) {
+        }
+    }
+
     /// One step of Gauss and Newton's method; `normal_` is kept for the errors.
-    void step() {
+    /// @return the most that it changed, m, rad or of a logarithm
+    double step() {
         const Eigen::Index unknowns = of_channel(channels_);
         normal_ = Eigen::MatrixXd::Zero(unknowns, unknowns);
         Eigen::VectorXd pull = Eigen::VectorXd::Zero(unknowns);
@@ -365,6 +373,7 @@ private:
             gain_[j] += by[of_channel(j)];
             phase_[j] += by[of_channel(j) + 1];
         }
+        return by.cwiseAbs().maxCoeff();
     }
 
     void add_sound(std::size_t k, std::size_t j, Eigen::VectorXd& pull) {
@@ -431,8 +440,8 @@ private:
                squared(turned ? wrapped(phase - pi) : phase, phase_spread);
     }
 
-    [[nodiscard]] std::vector<std::size_t> contradicting() const {
-        const double most = most_of(2 * (heard_.size() - 1));
+    [[nodiscard]] std::vector<std::size_t> contradicting(double chance = unlikely) const {
+        const double most = most_of(2 * (heard_.size() - 1), chance);
         std::vector<std::size_t> found;
         for (std::size_t j = 0; j < channels_; ++j)
             if (alive_[j] && contradiction(j, wired_[j]) > most) found.push_back(j);
@@ -448,7 +457,7 @@ private:
             refine();
             wrong = contradicting();
         }
-        exchange_pairs();
+        if (model_error_ < loud_echo) exchange_pairs();  // an echo makes likely what is not
         wrong = contradicting();
         std::vector<std::size_t> open, free;  // channels, and their elements
         for (std::size_t j = 0; j < channels_; ++j)
@@ -478,8 +487,9 @@ private:
             rest.erase(at);
         }
         for (const auto& [j, e] : element_of) wired_[j] = e;
-        find_floating(contradicting());
-        doubtful_ = contradicting();
+        find_floating();
+        // What is named must be so rare among all channels together.
+        doubtful_ = contradicting(unlikely / static_cast<double>(channels_));
         for (std::size_t j = 0; j < channels_; ++j) trusted_[j] = std::ranges::find(doubtful_, j) == doubtful_.end();
         find_weak();
         begin_elements();
@@ -517,9 +527,10 @@ private:
 
     /// An input that nothing drives or pulls down follows its neighbours' wires: their channels then sound as two
     /// elements, of which one is heard on no channel of its own. What it adds is taken away.
-    void find_floating(const std::vector<std::size_t>& wrong) {
+    void find_floating() {
         if (heard_.size() < 4) return;  // three places fit two elements too easily
-        for (const std::size_t j : wrong) {
+        for (std::size_t j = 0; j < channels_; ++j) {
+            if (!alive_[j]) continue;
             std::vector<std::pair<std::size_t, Complex>> with;  // silent elements, and how loud they are
             for (std::size_t other = 0; other < channels_; ++other)
                 if (!alive_[other])
@@ -535,23 +546,40 @@ private:
     [[nodiscard]] Complex microphone(std::size_t k) const { return std::polar(std::exp(mic_gain_[k]), mic_phase_[k]); }
 
     /// How loud another element must be, over its kind, so that it and the channel's own make the channel's sounds;
-    /// none if it cannot be so.
+    /// none if it cannot be so, or the own makes them as well alone.
     [[nodiscard]] std::optional<Complex> part_of(std::size_t channel, std::size_t other) const {
         const auto count = static_cast<Eigen::Index>(heard_.size());
         Eigen::MatrixXcd waves(count, 2);
         Eigen::VectorXcd sounds(count);
+        Eigen::VectorXd errors(count);
         for (Eigen::Index i = 0; i < count; ++i) {
             const auto k = static_cast<std::size_t>(i);
-            const Complex own = wave(wired_[channel], places_[k]);
-            const double error = error_of(k, channel) * std::abs(sound(k, channel) / microphone(k));
-            waves(i, 0) = own / error;
-            waves(i, 1) = wave(other, places_[k]) / error;
-            sounds[i] = sound(k, channel) / microphone(k) / error;
+            sounds[i] = sound(k, channel) / microphone(k);
+            errors[i] = error_of(k, channel) * std::abs(sounds[i]);
+            waves(i, 0) = wave(wired_[channel], places_[k]);
+            waves(i, 1) = wave(other, places_[k]);
         }
-        const Eigen::Vector2cd parts = waves.colPivHouseholderQr().solve(sounds);
+        Eigen::Vector2cd parts;
+        double rest = 0.0;
+        for (int round = 0; round < 2; ++round) {
+            const Eigen::VectorXcd weight = errors.cwiseInverse().cast<Complex>();
+            const auto weights = weight.asDiagonal();
+            parts = (weights * waves).colPivHouseholderQr().solve(weights * sounds);
+            rest = (weights * (sounds - waves * parts)).squaredNorm();
+            // Each of the two has its own echoes, which a sum of them that is faint has, too.
+            for (Eigen::Index i = 0; i < count; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                const double both = (waves.row(i).transpose().cwiseProduct(parts)).norm();
+                errors[i] = std::hypot(heard_[k].heard.noise / std::abs(microphone(k)), model_error_ * both) /
+                            std::numbers::sqrt2;
+            }
+        }
         constexpr double least = 0.2, most = 2.0;  // a half of one's kind where it follows two
         if (std::abs(parts[1]) < least || std::abs(parts[1]) > most) return {};
-        if ((sounds - waves * parts).squaredNorm() > most_of(2 * (heard_.size() - 2))) return {};
+        if (rest > most_of(2 * (heard_.size() - 2))) return {};
+        // What a further element takes away by chance, on any of an array's channels, is less.
+        if (contradiction(channel, wired_[channel]) - rest < most_of(2, unlikely / static_cast<double>(channels_)))
+            return {};
         return parts[1];
     }
 
@@ -647,7 +675,8 @@ private:
             return fmt::format("{}: {}", what, fmt::join(which, ", "));
         };
         add("dead", dead, list("dead", dead),
-            "see its solder joints and its driver's output; exchange it with a neighbour to tell which");
+            "see its solder joints, its driver's output, and that the driver's input is not open; exchange it with a "
+            "neighbour to tell which");
         add("weak", weak, fmt::format("weak: {} of the mean, where others differ by ± {:.2f}", gains, spread_),
             "see that nothing covers it, its joints, and its driver's supply");
         add("reversed", reversed, list("reversed", reversed),
@@ -661,8 +690,7 @@ private:
                              {},
                              "the array is mirrored or turned: its cable is the other way round",
                              "turn the connector, or leave it: the calibration does"});
-        constexpr double loud = 0.15;
-        if (heard_.size() >= 2 && model_error_ > loud)
+        if (heard_.size() >= 2 && model_error_ > loud_echo)
             found.push_back(
                 {"echo",
                  {},
