@@ -13,6 +13,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/mounting.hpp"
+#include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/hand_source.hpp"
 #include "report.hpp"
 
@@ -21,11 +22,80 @@ namespace {
 
 const std::vector<std::string> finger_names = {"thumb", "index", "middle", "ring", "pinkie"};
 
+// Ten touches with 1 mm of noise shall be better than this, and a mounting that is needs no more of them.
+constexpr double goal_m = 1e-3, goal_deg = 0.5;
+constexpr double degree = std::numbers::pi / 180.0;
+constexpr std::size_t most_touches = 100;
+
 struct AlignCommand {
-    std::string points, hands, output, finger = "index";
-    double still_s = 0.7;
+    std::string points, hands, output, finger = "index", array = "tile-10x10";
+    std::size_t ask = 0;
+    double still_s = 0.7, noise_mm = 1.0;
     bool json = false;
 };
+
+/// Where the array can be felt, of the box in which live looks for hands.
+std::vector<Vec3> places_of(const std::string& array) {
+    constexpr double step_m = 30e-3, half_m = 150e-3, low_m = 20e-3;
+    Grid grid;
+    for (int i = 0; i <= 10; ++i) {
+        grid.x.push_back(i * step_m - half_m);
+        grid.z.push_back(i * step_m + low_m);
+    }
+    grid.y = grid.x;
+    return felt_places(find_array(array), grid, least_felt_n);
+}
+
+bool is_enough(const Sureness& sure) { return sure.place_m <= goal_m && sure.angle_rad <= goal_deg * degree; }
+
+/// Adds places to touch until there are so many, or, where the noise was learned from touches, enough.
+Sureness ask_for(std::vector<Vec3>& touched, const std::vector<Vec3>& places, std::size_t most, double noise_m,
+                 bool learned) {
+    constexpr std::size_t least = 3;
+    const auto sure = [&] {
+        return touched.size() < least ? Sureness{HUGE_VAL, HUGE_VAL} : sureness_of(touched, noise_m, learned);
+    };
+    while (touched.size() < most && !(learned && is_enough(sure()))) touched.push_back(next_touch(touched, places));
+    return sure();
+}
+
+std::string in_words(const Sureness& sure) {
+    return fmt::format("{:.2f} mm in their middle and {:.2f} degrees", sure.place_m / millimetre,
+                       sure.angle_rad / degree);
+}
+
+std::string in_mm(Vec3 p) {
+    return fmt::format("{:g} {:g} {:g}", p.x / millimetre, p.y / millimetre, p.z / millimetre);
+}
+
+/// Where to touch, for a mounting that is not known yet.
+int ask_for_touches(const AlignCommand& command) {
+    const std::vector<Vec3> places = places_of(command.array);
+    if (places.size() < command.ask)
+        throw bad_argument("ask", fmt::format("found {}, and {} is felt at {} places of a grid of 30 mm", command.ask,
+                                              command.array, places.size()));
+    std::vector<Vec3> touches;
+    const double noise_m = command.noise_mm * millimetre / std::sqrt(3.0);
+    const Sureness sure = ask_for(touches, places, command.ask, noise_m, false);
+    const std::string sentence =
+        fmt::format("{} places, from which a tracker with {:g} mm of noise is found within {}, in 95 of 100 cases",
+                    touches.size(), command.noise_mm, in_words(sure));
+    std::string text = "# " + sentence + "\n";
+    nlohmann::ordered_json listed = nlohmann::ordered_json::array();
+    for (const Vec3 place : touches) {
+        text += in_mm(place) + "\n";
+        listed.push_back({place.x / millimetre, place.y / millimetre, place.z / millimetre});
+    }
+    write_file(command.output, text);
+    Report report;
+    report.add("points", touches.size())
+        .add("within_mm", sure.place_m / millimetre)
+        .add("within_deg", sure.angle_rad / degree)
+        .add("places_mm", listed)
+        .add("places", command.output, sentence);
+    if (command.output != "-") report.print(command.json);
+    return 0;
+}
 
 std::vector<SeenPoint> points_of(const AlignCommand& command) {
     const std::string text = read_file(command.points);
@@ -56,15 +126,37 @@ std::optional<std::size_t> outlier_of(const Alignment& found) {
     return static_cast<std::size_t>(worst - found.residuals_without_m.begin());
 }
 
+/// Whether the touches are enough, and if not, which others would be.
+void tell_next(Report& report, const AlignCommand& command, std::vector<Vec3> touched, double noise_m,
+               const Sureness& sure) {
+    report.add("enough", is_enough(sure));
+    if (is_enough(sure)) return;
+    const std::size_t before = touched.size();
+    const std::vector<Vec3> places = places_of(command.array);
+    const std::size_t most = before + std::min(most_touches, places.size() / 2);
+    const Sureness then = ask_for(touched, places, most, noise_m, true);
+    nlohmann::ordered_json next = nlohmann::ordered_json::array();
+    std::string line = is_enough(then)
+                           ? fmt::format("next touches, with which it would be right within {} (mm):", in_words(then))
+                           : "next touches; the tracker's noise is so large that 100 are not enough (mm):";
+    for (std::size_t i = before; i < touched.size(); ++i) {
+        next.push_back({touched[i].x / millimetre, touched[i].y / millimetre, touched[i].z / millimetre});
+        if (i < before + 10) line += (i > before ? "; " : " ") + in_mm(touched[i]);
+    }
+    report.add("next_mm", next, line);
+}
+
 int align_tracker(const AlignCommand& command) {
+    if (command.points.empty()) throw bad_argument("points", "is missing; --ask 10 makes a list of places to touch");
     const std::vector<SeenPoint> points = points_of(command);
     const Alignment found = align(points, command.hands.empty() ? command.points : command.hands);
-    constexpr double degree = std::numbers::pi / 180.0;
     std::vector<double> residuals_mm;
     for (const double residual_m : found.residuals_m) residuals_mm.push_back(residual_m / millimetre);
-    const bool sure = points.size() > 3;
-    const std::string errors = sure ? fmt::format("± {:.2f} mm in their middle, ± {:.2f} degrees",
-                                                  found.position_m / millimetre, found.angle_rad / degree)
+    std::vector<Vec3> known;
+    for (const SeenPoint& point : points) known.push_back(point.known);
+    std::optional<Sureness> sure;
+    if (found.noise_m) sure = sureness_of(known, *found.noise_m, true);
+    const std::string errors = sure ? fmt::format("in 95 of 100 cases right within {}", in_words(*sure))
                                     : "three points tell nothing of errors; take more";
     const std::string sentence = fmt::format("{} points, which it misses by {:.2f} mm (rms); {}", points.size(),
                                              found.rms_m / millimetre, errors);
@@ -72,10 +164,11 @@ int align_tracker(const AlignCommand& command) {
     Report report;
     report.add("points", points.size())
         .add("rms_mm", found.rms_m / millimetre)
-        .add("position_error_mm", sure ? nlohmann::ordered_json(found.position_m / millimetre) : nullptr)
-        .add("angle_error_deg", sure ? nlohmann::ordered_json(found.angle_rad / degree) : nullptr)
+        .add("within_mm", sure ? nlohmann::ordered_json(sure->place_m / millimetre) : nullptr)
+        .add("within_deg", sure ? nlohmann::ordered_json(sure->angle_rad / degree) : nullptr)
         .add("residuals_mm", residuals_mm)
         .add("mounting", command.output, sentence);
+    if (sure) tell_next(report, command, known, *found.noise_m, *sure);
     if (const auto worst = outlier_of(found)) {
         report.add("outlier", *worst + 1);
         complain(
@@ -96,10 +189,9 @@ void add_align(CLI::App& app, Action& action) {
         "Where a tracker or a camera is, from points whose places are known: which a finger has touched, or "
         "which both have measured");
     sub->add_option(
-           "points", options->points,
-           "Lines 'x y z' in mm, array frame, in the order of touches; without hands lines 'x y z x y z': what is "
-           "known, and what the tracker or the camera saw, in its own frame")
-        ->required();
+        "points", options->points,
+        "Lines 'x y z' in mm, array frame, in the order of touches; without hands lines 'x y z x y z': what is "
+        "known, and what the tracker or the camera saw, in its own frame");
     sub->add_option("hands", options->hands, "A recording of a hand that touches them, as render takes it");
     sub->add_option("--finger", options->finger, "Whose tip touches")
         ->check(CLI::IsMember(finger_names, CLI::ignore_case))
@@ -107,12 +199,27 @@ void add_align(CLI::App& app, Action& action) {
     sub->add_option("--still", options->still_s, "For so long a touch stays within 3 mm, s")
         ->check(positive())
         ->capture_default_str();
+    auto* ask = sub->add_option("--ask", options->ask,
+                                "Write instead so many places that are good to touch, spread over where the array is "
+                                "felt, as such lines")
+                    ->check(whole(3, most_touches));
+    sub->add_option("--noise", options->noise_mm, "With --ask: of the tracker, mm (rms)")
+        ->check(positive())
+        ->needs(ask)
+        ->capture_default_str();
+    sub->add_option("--array", options->array, "Whose reach the places to touch are in")->capture_default_str();
     sub->add_option("-o,--output", options->output,
                     "The mounting, TOML, for NAME@MOUNTING wherever a recording or a tracker is named; - is standard "
                     "output")
         ->required();
     sub->add_flag("--json", options->json, "The report as JSON on standard output");
-    sub->callback([options, &action] { action = [options] { return align_tracker(*options); }; });
+    sub->callback([options, sub, &action] {
+        require_effect(
+            given_to(*sub),
+            {{"points", {"touches"}}, {"hands", {"touches"}}, {"--finger", {"touches"}}, {"--still", {"touches"}}},
+            options->ask == 0 ? "touches" : "--ask", "what is asked for");
+        action = [options] { return options->ask == 0 ? align_tracker(*options) : ask_for_touches(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

@@ -68,9 +68,42 @@ def test_touches_of_a_recording(tmp_path):
     refuse(tmp_path, ["align", "points.txt", "hand.json", "--still", "5", "-o", "x.toml"], BAD_INPUT, "stayed 0 times", outputs=["x.toml"])
 
 
+def test_it_asks_for_touches_and_says_when_they_are_enough(tmp_path):
+    asked = json.loads(succeed(["align", "--ask", "10", "-o", "points.txt", "--json"], cwd=tmp_path).stdout)
+    places = np.loadtxt(tmp_path / "points.txt")
+    assert np.allclose(places, asked["places_mm"]) and len(np.unique(places, axis=0)) == 10
+    assert np.all(np.hypot(places[:, 0], places[:, 1]) <= np.tan(np.radians(60.001)) * places[:, 2])  # the tile's reach
+    assert asked["within_mm"] <= 1 and asked["within_deg"] <= 0.5
+    # What it promises is what happens; the mountings are computed by scipy here.
+    random = np.random.default_rng(3)
+
+    def seen(points, noise_mm):
+        return seen_by_the_tracker(points) + random.normal(0, noise_mm / np.sqrt(3), points.shape)
+
+    turned = []
+    for _ in range(400):
+        turn, _ = Rotation.align_vectors(places - places.mean(0), (made := seen(places, 1)) - made.mean(0))
+        turned.append(np.degrees((turn * TURN.inv()).magnitude()))
+    assert 0.92 < np.mean(np.array(turned) <= asked["within_deg"]) < 0.98
+
+    def aligned(points, noise_mm):
+        (tmp_path / "both.txt").write_text("\n".join(" ".join(f"{v:.6f}" for v in row) for row in np.hstack([points, seen(points, noise_mm)])))
+        return json.loads(succeed(["align", "both.txt", "-o", "desk.toml", "--json"], cwd=tmp_path).stdout)
+
+    assert aligned(places, 0.7)["enough"] is True
+    few = aligned(np.array([[0, 0, 20], [20, 0, 20], [0, 20, 30], [20, 20, 40.0]]), 1)
+    assert few["enough"] is False and few["within_deg"] > 0.5 and len(few["next_mm"]) >= 1
+    more = np.vstack([[[0, 0, 20], [20, 0, 20], [0, 20, 30], [20, 20, 40.0]], few["next_mm"]])
+    assert aligned(more, 0.5)["enough"] is True
+
+
 def test_what_is_wrong_is_said(tmp_path):
     (tmp_path / "line.txt").write_text("0 0 0 0 0 0\n10 0 0 10 0 0\n20 0 0 20 0 0\n")
     refuse(tmp_path, ["align", "line.txt", "-o", "x.toml"], BAD_INPUT, "lie on a line", outputs=["x.toml"])
     (tmp_path / "short.txt").write_text("0 0 0 0 0 0\n10 0 0 10 0\n")
     refuse(tmp_path, ["align", "short.txt", "-o", "x.toml"], BAD_INPUT, "short.txt, line 2: found 5 numbers, expected 6", outputs=["x.toml"])
     refuse(tmp_path, ["align", "short.txt", "hand.json", "--finger", "toe", "-o", "x.toml"], USAGE, "--finger", outputs=["x.toml"])
+    refuse(tmp_path, ["align", "-o", "x.toml"], USAGE, "points: is missing", "--ask", outputs=["x.toml"])
+    refuse(tmp_path, ["align", "short.txt", "--ask", "10", "-o", "x.toml"], USAGE, "points", outputs=["x.toml"])
+    refuse(tmp_path, ["align", "--ask", "2", "-o", "x.toml"], USAGE, "--ask", outputs=["x.toml"])
+    refuse(tmp_path, ["align", "short.txt", "--noise", "2", "-o", "x.toml"], USAGE, "--ask", outputs=["x.toml"])

@@ -66,6 +66,27 @@ bool on_a_line(const Points& points) {
     return !(sizes(1) > thin * sizes(0));
 }
 
+/// Of points of weight 1 about their middle.
+Eigen::Matrix3d inertia_of(std::span<const Vec3> points) {
+    Points spread(3, static_cast<Eigen::Index>(points.size()));
+    for (Eigen::Index i = 0; i < spread.cols(); ++i) spread.col(i) = eigen_of(points[static_cast<std::size_t>(i)]);
+    spread = spread.colwise() - spread.rowwise().mean().eval();
+    return spread.squaredNorm() * Eigen::Matrix3d::Identity() - spread * spread.transpose();
+}
+
+/// What a weighted sum of three squared normal errors stays below in 95 of 100 cases.
+/// @param freedom  with how many degrees of freedom their variance was estimated; infinite: it is known
+double quantile_95(const Eigen::Vector3d& weights, double freedom) {
+    constexpr double z = 1.6449;
+    const double mean = weights.sum(), of_sum = mean * mean / weights.squaredNorm();
+    // By a chi-square of equal mean and variance (Satterthwaite 1946), over the estimate's; their ratio's cube root is
+    // about normal (Wilson and Hilferty 1931; Paulson 1942).
+    const double a = 2.0 / (9.0 * of_sum), b = std::isfinite(freedom) ? 2.0 / (9.0 * freedom) : 0.0;
+    const double low = (1.0 - b) * (1.0 - b) - z * z * b, middle = (1.0 - a) * (1.0 - b),
+                 high = (1.0 - a) * (1.0 - a) - z * z * a;
+    return mean * std::pow((middle + std::sqrt(middle * middle - low * high)) / low, 3);
+}
+
 }  // namespace
 
 Pose mounting_from_toml(std::string_view text, const std::string& where) {
@@ -150,12 +171,39 @@ Alignment align(std::span<const SeenPoint> points, const std::string& where) {
     }
     found.rms_m = std::sqrt(left.squaredNorm() / static_cast<double>(count));
     // Three numbers a point, less the six of the pose.
-    const double variance = count == least ? 0.0 : left.squaredNorm() / static_cast<double>(3 * count - 6);
-    const Points spread = known.colwise() - known.rowwise().mean().eval();
-    const Eigen::Matrix3d inertia = spread.squaredNorm() * Eigen::Matrix3d::Identity() - spread * spread.transpose();
-    found.position_m = std::sqrt(variance / static_cast<double>(count));
-    found.angle_rad = std::sqrt(variance / Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues()(0));
+    if (count > least) found.noise_m = std::sqrt(left.squaredNorm() / static_cast<double>(3 * count - 6));
     return found;
+}
+
+Sureness sureness_of(std::span<const Vec3> known, double noise_m, bool learned) {
+    const auto count = static_cast<double>(known.size());
+    const double freedom = learned ? 3.0 * count - 6.0 : HUGE_VAL;
+    const Eigen::Vector3d shares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_of(known)).eigenvalues();
+    return {noise_m * std::sqrt(quantile_95(Eigen::Vector3d::Constant(1.0 / count), freedom)),
+            noise_m * std::sqrt(quantile_95(shares.cwiseInverse(), freedom))};
+}
+
+Vec3 next_touch(std::span<const Vec3> touched, std::span<const Vec3> places) {
+    constexpr double spread = 1e-3;  // decides while two points, or none, leave a turn open
+    std::vector<Vec3> with(touched.begin(), touched.end());
+    Vec3 middle;
+    for (const Vec3 place : places) middle = middle + (1.0 / static_cast<double>(places.size())) * place;
+    if (with.empty()) return *std::ranges::max_element(places, {}, [&](Vec3 p) { return distance(p, middle); });
+    with.emplace_back();
+    double most = -1.0;
+    Vec3 best;
+    for (const Vec3 place : places) {
+        if (std::ranges::find(touched, place) != touched.end()) continue;
+        with.back() = place;
+        const Eigen::Matrix3d inertia = inertia_of(with);
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+        axes.computeDirect(inertia, Eigen::EigenvaluesOnly);
+        if (const double gain = axes.eigenvalues()(0) + spread * inertia.trace(); gain > most) {
+            most = gain;
+            best = place;
+        }
+    }
+    return best;
 }
 
 std::vector<Vec3> touches_in(const HandRecording& recording, std::size_t finger, double still_s, double still_m) {

@@ -7,6 +7,7 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/perception/setting.hpp"
 #include "haptogram/perception/skin_force.hpp"
 
 namespace haptogram {
@@ -107,6 +108,15 @@ std::vector<float> workspace(const Array& array, const Grid& grid) {
     found.reserve(grid.size());
     for (std::size_t i = 0; i < grid.size(); ++i)
         found.push_back(static_cast<float>(reachable_pressure(array, grid.point(i))));
+    return found;
+}
+
+std::vector<Vec3> felt_places(const Array& array, const Grid& grid, double least_force_n) {
+    std::vector<Vec3> found;
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        if (const Vec3 place = grid.point(i);
+            array.unreachable(place).empty() && perception::full_force(array, place) >= least_force_n)
+            found.push_back(place);
     return found;
 }
 

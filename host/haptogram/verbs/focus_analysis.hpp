@@ -32,6 +32,10 @@ struct FocusAnalysis {
 /// The same at every point of a grid.
 [[nodiscard]] std::vector<float> workspace(const Array& array, const Grid& grid);
 
+/// The points of a grid where a focus that plays alone, with exact phases, has at least this force on a disc
+/// (perception/skin_force.hpp).
+[[nodiscard]] std::vector<Vec3> felt_places(const Array& array, const Grid& grid, double least_force_n);
+
 /// How loud a sequence is for an ear, averaged over time, in dB SPL: at the loudest place of the axis farther than λ
 /// from the array, and at 300 mm.
 struct Loudness {
