@@ -6,13 +6,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>
+#include <variant>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/verbs/settings.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -59,6 +62,38 @@ void take_table(LiveStart& start, std::span<const LiveSetting> settings) {
     start.words.push_back(fmt::format("--settings={}", name));
 }
 
+/// Settings of a design that `haptogram live` has, too.
+constexpr std::string_view of_both[] = {"speed_m_s", "frequency_hz", "jump", "seed"};
+/// Those of an image, which a session has none of, and of the page's board.
+constexpr std::string_view of_image[] = {"array", "board", "points", "image", "loops"};
+
+std::string option_of(const Setting& setting, const SettingValue& value) {
+    return fmt::format("{}={}", setting.option, std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
+}
+
+/// Hands on how the design draws, but for what its table [live] says. What a session would play in another way than the
+/// design is refused.
+void take_drawing(LiveStart& start, const Project& project) {
+    const auto in_table = [&](std::string_view option) {
+        return std::ranges::any_of(project.live, [&](const LiveSetting& one) {
+            return "--" + one.key == option || (option == "--speed" && one.key == "frequency") ||
+                   (option == "--frequency" && one.key == "speed");
+        });
+    };
+    for (const Setting& setting : project_settings()) {
+        const bool both = std::ranges::find(of_both, setting.key) != std::end(of_both);
+        if (setting.get == nullptr || std::ranges::find(of_image, setting.key) != std::end(of_image)) continue;
+        const std::optional<SettingValue> value = setting.get(project, setting);
+        if (!value || value == default_of(setting) || !why_idle(setting.key, project).empty()) continue;
+        if (!both)
+            throw bad_argument(std::string(setting.key),
+                               fmt::format("a live session has no such setting, and would play without it; leave {} "
+                                           "out of the design",
+                                           setting.key));
+        if (!in_table(setting.option)) start.words.push_back(option_of(setting, *value));
+    }
+}
+
 }  // namespace
 
 LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
@@ -91,6 +126,7 @@ LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
     // By its file: a name may be that of a shipped one, too. The session runs in a folder of its own.
     const std::string& array = scene.instrument.array.file;
     add("array", array.starts_with(shipped_prefix) ? array : std::filesystem::absolute(array).string());
+    take_drawing(start, scene.project);
     take_table(start, scene.project.live);
     if (hand.frame)
         start.left_out += fmt::format("{}The whole recording plays, not frame {} alone.",

@@ -20,7 +20,8 @@ struct LiveStart {
     std::string left_out;                     ///< a sentence on settings of [live] that it does not take; may be empty
 };
 
-/// @throws Error as Scenes::hand(), and Error{bad_argument} for a tracker that is no named pipe
+/// @throws Error as Scenes::hand(), and Error{bad_argument} for a tracker that is no named pipe, and for a design whose
+/// amplitude, waveform or magnitude a session would not play
 [[nodiscard]] LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked);
 
 /// The command of a session on a board.

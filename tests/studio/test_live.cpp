@@ -54,3 +54,32 @@ TEST_CASE("live: the array is named by its file, and what the session cannot do 
     CHECK_THROWS_WITH(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}),
                       Contains("frames_hz") && Contains("30"));
 }
+
+TEST_CASE("live: how a design draws is handed on, but for what [live] says; what a session cannot play is refused") {
+    const auto of = [](const nlohmann::ordered_json& settings, const nlohmann::ordered_json& table = {}) {
+        studio::Scenes scenes;
+        nlohmann::ordered_json document{{"format", "haptogram-project-1"},
+                                        {"hand", {{"recording", "synthetic:press"}, {"algorithm", "E"}}}};
+        if (!settings.is_null()) document.update(settings);
+        if (!table.is_null()) document["live"] = table;
+        return studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""});
+    };
+    const studio::LiveStart start = of({{"speed_m_s", 2.5}, {"jump", "blank"}, {"seed", 7}});
+    CHECK(has(start, "--speed=2.5"));
+    CHECK(has(start, "--jump=blank"));
+    CHECK(has(start, "--seed=7"));
+    CHECK(has(of({{"frequency_hz", 30}}), "--frequency=30"));
+    const auto options = [](const studio::LiveStart& one, const std::string& option) {
+        return std::ranges::count_if(one.words, [&](const std::string& word) { return word.starts_with(option); });
+    };
+    CHECK(options(of({}), "--speed") + options(of({}), "--jump") + options(of({}), "--seed") == 0);
+    CHECK(options(of({{"speed_m_s", 2.5}}, {{"frequency", 20}}), "--speed") == 0);
+    CHECK(options(of({{"speed_m_s", 2.5}}, {{"speed", 3}}), "--speed") == 0);
+    CHECK(options(of({{"jump", "blank"}}, {{"speed", 3}}), "--jump") == 1);
+    CHECK(start.left_out.empty());
+    for (const nlohmann::ordered_json& settings :
+         {nlohmann::ordered_json{{"amplitude", 0.5}}, {{"am", "sine:200"}}, {{"quantise", "hoshi"}}}) {
+        INFO(settings.dump());
+        CHECK_THROWS_WITH(of(settings), Contains(settings.items().begin().key()) && Contains("leave"));
+    }
+}
