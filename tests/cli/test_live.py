@@ -108,6 +108,28 @@ def test_a_hand_feels_by_every_kind_of_algorithm(tmp_path, algorithm, board):
     assert ("computes foci" if "wide" in board else "plays records") in done.stderr.decode()
 
 
+def off_the_bone(foci, start, end):
+    share = np.clip((foci - start) @ (end - start) / ((end - start) @ (end - start)), 0, 1)
+    return np.linalg.norm(foci - start - share[:, None] * (end - start), axis=1)
+
+
+@pytest.mark.parametrize("script", ["press", "grasp"])
+def test_fingers_that_cross_a_sphere_feel_it(tmp_path, script):
+    """Of all fingers that are partly within it, in all frames, 95 % have a focus on their skin, which is 7.5 to 10.5 mm off their bones."""
+    middle, radius, skin = np.array([0, 0, 200]), 50, 10.5
+    words = ["live", "--from", f"synthetic:{script}", "--object", "sphere", "--size", "100", "--center", "0,0,200", "--algorithm", "A", "--predict", "none"]
+    succeed([*words, "--port", "reference:tile-100-wide", "--seconds", "1", "--scene", "s"], cwd=tmp_path)
+    across = felt = 0
+    for shot in lines(tmp_path / "s"):
+        foci = np.array(shot["foci"]).reshape(-1, 4)[:, :3]
+        for finger in np.array(shot["hands"][0]["fingers_mm"]):
+            within = np.linalg.norm(finger - middle, axis=1) < radius
+            if within.any() and not within.all():  # joints on either side of the surface
+                across += 1
+                felt += len(foci) > 0 and min(off_the_bone(foci, *bone).min() for bone in zip(finger[:-1], finger[1:], strict=True)) <= skin
+    assert across > 150 and felt >= 0.95 * across, f"{felt} of {across}"
+
+
 MEASURES = {
     "A": ("speed 3", "frequency 30", "jump blank"),
     "B": ("corner triangle", "corner-line 4", "off-skin"),
