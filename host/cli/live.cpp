@@ -329,6 +329,7 @@ int live_loop(const LiveCommand& command) {
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
+    if (const std::string words = live::overtaken_in_words(done); !words.empty()) complain("warning: " + words);
     if (!interrupted()) live::require_played(done);  // who stops it at once has had nothing played
     return 0;
 }

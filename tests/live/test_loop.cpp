@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <numbers>
+#include <thread>
 
 #include "bench.hpp"
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/synthetic.hpp"
 #include "haptogram/live/depth_renderer.hpp"
 #include "haptogram/live/loop.hpp"
+#include "haptogram/live/pipeline.hpp"
 #include "haptogram/solve/drives.hpp"
 
 using namespace haptogram;
@@ -98,15 +102,19 @@ TEST_CASE("live: a session of which less than a quarter was played is a failure"
     live::LoopReport report;
     CHECK_NOTHROW(live::require_played(report));  // nothing was felt
     report.shots = 24;
-    report.with_rings = 24;
+    report.with_rings = report.given = 24;
     CHECK_THROWS_AS(live::require_played(report), Error);
     report.rings.resize(5);
     CHECK_THROWS_AS(live::require_played(report), Error);
-    report.skipped = 4;  // the line was busy: these were not due
-    CHECK_NOTHROW(live::require_played(report));
     report.rings.resize(6);
-    report.skipped = 0;
     CHECK_NOTHROW(live::require_played(report));
+    CHECK(live::overtaken_in_words(report).empty());
+    // A busy machine: the feeler made three hundred, and of those that were sent all began.
+    report.with_rings = 300;
+    CHECK_NOTHROW(live::require_played(report));
+    CHECK_THAT(live::overtaken_in_words(report), Catch::Contains("only 6 of 300 frames"));
+    report.skipped = 276;  // for which the line had no time, as was said
+    CHECK(live::overtaken_in_words(report).empty());
     report.unsent = 13;
     CHECK_THROWS_AS(live::require_played(report), Error);
 }
@@ -558,6 +566,78 @@ TEST_CASE("live: a camera that falls silent fades, and its next shot is felt aga
     CHECK(done.fades == 1);
     CHECK(done.with_rings == 30);
     CHECK(done.underruns == 0);
+}
+
+TEST_CASE("live: a wall in the picture keeps neither the line nor the watchdog waiting") {
+    constexpr std::size_t wall_points = 65'025;
+    constexpr double held_s = 0.3, look_s = 1e-4;
+    constexpr std::uint16_t watchdog_ms = 50;
+    LiveBench bench("tile-100");
+    // The loop alone takes the board's time on, by what it does for the line; the other threads read it.
+    std::atomic<double> board_s = 0.0;
+    const auto look = [&] { return board_s = bench.clock.now_s(); };
+    const link::HostClock of_loop{[&] { return look(); },
+                                  [&](double until_s) {
+                                      bench.clock.wait_until(until_s);
+                                      look();
+                                  }};
+    const link::HostClock of_others{
+        [&] { return board_s.load(); },
+        [look_s](double) { std::this_thread::sleep_for(std::chrono::duration<double>(look_s)); }};
+    /// Takes six times the watchdog's time for each wall.
+    struct Slow final : live::Feeler {
+        live::ShotRings rings;
+        const link::HostClock& clock;
+        std::size_t walls = 0, waited = 0;
+        double compute_s = 0.0;
+        Slow(const Array& array, const link::HostClock& time, const std::vector<DepthCamera>& cameras)
+            : rings(array, array.carrier_hz, on_a_cube(), cameras), clock(time) {}
+        std::optional<Path> feel(const live::Frame& frame, live::ShotReport& report) override {
+            const auto began = std::chrono::steady_clock::now();
+            std::optional<Path> path = rings.feel(frame, report);
+            if (report.points < wall_points) return path;
+            ++walls;
+            compute_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+            constexpr double patience_s = 5.0;
+            const double until_s = clock.now_s() + held_s;
+            for (double s = 0.0; s < patience_s && clock.now_s() < until_s; s += look_s) clock.wait_until(until_s);
+            waited += clock.now_s() >= until_s ? 1 : 0;
+            return path;
+        }
+        live::ShotCounts counts() const override { return rings.counts(); }
+    };
+    std::vector<DepthCamera> cameras = four_cameras();
+    cameras.resize(1);
+    SyntheticDepth simulated(
+        cameras,
+        [](double time_s) {
+            if (time_s < 0.4 || time_s > 0.55) return two_fingers(0.5);
+            return std::vector<RoundedBody>{{{0, 0, 0.21}, {0.1, 0, 0}, {0, 0, 0.1}, 1e-3}};
+        },
+        30.0, 1.5, no_depth_noise);
+    live::DepthFrames source(simulated);
+    const Array array = find_array("tile-10x10");
+    Slow feeler(array, of_others, cameras);
+    live::RingPlayer player(bench.client, of_loop, array, on_a_cube().ring.points, Method::distance_weighted,
+                            watchdog_ms);
+    std::size_t felt_before = 0, felt_after = 0;
+    live::LoopReport report;
+    {
+        live::Pipeline pipeline(source, feeler, of_others);
+        report = live::Loop(bench.client, of_loop, player, {.watchdog_ms = watchdog_ms})
+                     .run(pipeline, pipeline,
+                          [&](const live::ShotReport& shot, const live::Frame&, const std::optional<Path>& path) {
+                              (shot.time_s < 0.4 ? felt_before : felt_after) += path && shot.points < wall_points;
+                              return true;
+                          });
+    }
+    WARN("a wall of more than 65,025 points: " << 1e3 * feeler.compute_s << " ms, and held for 300 ms of the board's");
+    CHECK(feeler.walls >= 1);
+    CHECK(feeler.waited == feeler.walls);  // the board went on all the while, and its watchdog of 50 ms was fed
+    CHECK(felt_before > 0);
+    CHECK(felt_after > 0);
+    CHECK(report.underruns == 0);
+    CHECK(report.fades >= 1);  // what played does not stay while nothing is known
 }
 
 TEST_CASE("live: while a camera is silent its user may end") {

@@ -47,6 +47,7 @@ void Loop::serve_until(double time_s) {
 
 void Loop::play(const std::optional<Path>& path, const ShotReport& shot) {
     if (path) {
+        ++report_.given;
         player_.replace(*path, shot.number, shot.time_s + begin_s_);
         return;
     }
@@ -162,17 +163,25 @@ void require_played(const LoopReport& report) {
             fmt::format("nothing was played: {} of {} shots made something to feel, and none was on the board in "
                         "time; take fewer frames a second, a faster line, or a board that computes foci",
                         report.with_rings, report.shots));
-    const std::uint64_t due = report.with_rings - std::min(report.with_rings, report.skipped);
-    if (4 * report.rings.size() < due)
+    if (4 * report.rings.size() < report.given)
         throw Error(ErrorCode::failed, "live",
-                    fmt::format("only {} paths began of {} that frames made; take a board that computes foci, or an "
+                    fmt::format("only {} paths began of {} that were sent; take a board that computes foci, or an "
                                 "algorithm whose passes are shorter",
-                                report.rings.size(), due));
+                                report.rings.size(), report.given));
     if (2 * report.unsent > report.shots)
         throw Error(ErrorCode::failed, "live",
                     fmt::format("what {} of {} shots made was not on the board in time; take fewer frames a second, or "
                                 "a faster line",
                                 report.unsent, report.shots));
+}
+
+std::string overtaken_in_words(const LoopReport& report) {
+    const std::uint64_t due = report.with_rings - std::min(report.with_rings, report.skipped);
+    if (4 * report.rings.size() >= due) return {};
+    return fmt::format(
+        "only {} of {} frames that made something to feel were played, each the newest there was; the "
+        "others came while the line and the machine were busy with one before",
+        report.rings.size(), due);
 }
 
 Latency latency_of(std::span<const SentRing> rings, std::span<const std::pair<double, std::uint16_t>> starts) {

@@ -27,6 +27,7 @@ struct LoopReport : ShotCounts {
     std::uint64_t skipped = 0;       ///< came while the line was busy with an earlier one
     std::uint64_t out_of_order = 0;  ///< came after a later one, and were not used
     std::uint64_t blind = 0;         ///< no camera gave a picture; these are missed, too
+    std::uint64_t given = 0;         ///< whose path went to the player; the feeler makes some that newer ones overtake
     std::uint64_t unsent = 0;     ///< the line had not taken what a shot made when the next one was there; missed, too
     std::uint64_t missed = 0;     ///< the ring was not on the board when the next shot was due, or none came
     std::uint64_t fades = 0;      ///< times that the outputs faded
@@ -72,9 +73,12 @@ private:
     bool holds_ = false;    ///< a shot is there, and waits for the line
 };
 
-/// @throws Error{failed} when frames made something to feel of which nothing, or less than half, was on the board in
-/// time
+/// @throws Error{failed} when frames made something to feel and nothing was played, when less than a quarter of the
+/// paths that went to the player began, or less than half was on the board in time
 void require_played(const LoopReport& report);
+/// That newer frames have overtaken most of those that made something to feel: a machine that is busy, or a board that
+/// answers late. Empty when they have not.
+[[nodiscard]] std::string overtaken_in_words(const LoopReport& report);
 
 /// When each ring's first pulse left the board, after its shot.
 struct Latency {
