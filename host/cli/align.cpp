@@ -24,7 +24,7 @@ const std::vector<std::string> finger_names = {"thumb", "index", "middle", "ring
 
 // Ten touches with 1 mm of noise shall be better than this, and a mounting that is needs no more of them.
 constexpr double goal_m = 1e-3, goal_deg = 0.5;
-constexpr double degree = std::numbers::pi / 180.0;
+constexpr double to_deg = 180.0 / std::numbers::pi;
 constexpr std::size_t most_touches = 100;
 
 struct AlignCommand {
@@ -46,7 +46,7 @@ std::vector<Vec3> places_of(const std::string& array) {
     return felt_places(find_array(array), grid, least_felt_n);
 }
 
-bool is_enough(const Sureness& sure) { return sure.place_m <= goal_m && sure.angle_rad <= goal_deg * degree; }
+bool is_enough(const Sureness& sure) { return sure.place_m <= goal_m && sure.angle_rad * to_deg <= goal_deg; }
 
 /// Adds places to touch until there are so many, or, where the noise was learned from touches, enough.
 Sureness ask_for(std::vector<Vec3>& touched, const std::vector<Vec3>& places, std::size_t most, double noise_m,
@@ -61,7 +61,7 @@ Sureness ask_for(std::vector<Vec3>& touched, const std::vector<Vec3>& places, st
 
 std::string in_words(const Sureness& sure) {
     return fmt::format("{:.2f} mm in their middle and {:.2f} degrees", sure.place_m / millimetre,
-                       sure.angle_rad / degree);
+                       sure.angle_rad * to_deg);
 }
 
 std::string in_mm(Vec3 p) {
@@ -90,7 +90,7 @@ int ask_for_touches(const AlignCommand& command) {
     Report report;
     report.add("points", touches.size())
         .add("within_mm", sure.place_m / millimetre)
-        .add("within_deg", sure.angle_rad / degree)
+        .add("within_deg", sure.angle_rad * to_deg)
         .add("places_mm", listed)
         .add("places", command.output, sentence);
     if (command.output != "-") report.print(command.json);
@@ -165,7 +165,7 @@ int align_tracker(const AlignCommand& command) {
     report.add("points", points.size())
         .add("rms_mm", found.rms_m / millimetre)
         .add("within_mm", sure ? nlohmann::ordered_json(sure->place_m / millimetre) : nullptr)
-        .add("within_deg", sure ? nlohmann::ordered_json(sure->angle_rad / degree) : nullptr)
+        .add("within_deg", sure ? nlohmann::ordered_json(sure->angle_rad * to_deg) : nullptr)
         .add("residuals_mm", residuals_mm)
         .add("mounting", command.output, sentence);
     if (sure) tell_next(report, command, known, *found.noise_m, *sure);
