@@ -120,6 +120,7 @@ test("STOP, and a page that goes away, end a session at once", async (t) => {
   await boardSays(page, "outputs off");
   assert.equal(sessions(studio).length, 0);
   // One that is still being prepared must not begin behind it.
+  await page.getByRole("button", { name: /^Feel it/ }).click({ trial: true }); // until the board is back
   await page.evaluate(() => {
     const press = (words) => [...document.querySelectorAll("button")].find((button) => words.test(button.textContent)).click();
     press(/^Feel it/);

@@ -55,7 +55,7 @@ TEST_CASE("live: the array is named by its file, and what the session cannot do 
                       Contains("frames_hz") && Contains("30"));
 }
 
-TEST_CASE("live: how a design draws is handed on, but for what [live] says, and what a session cannot play is refused") {
+TEST_CASE("live: how a design draws is handed on, and what a session cannot play is refused") {
     const auto of = [](const nlohmann::ordered_json& settings, const nlohmann::ordered_json& table = {}) {
         studio::Scenes scenes;
         nlohmann::ordered_json document{{"format", "haptogram-project-1"},

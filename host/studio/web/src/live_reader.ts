@@ -5,7 +5,7 @@ import type { Failure, Link, LiveScene, LiveShown } from "./link";
 import { type LiveSession, state } from "./state";
 import type { View } from "./view";
 
-const mostNotes = 30;
+const [firstNotes, lastNotes] = [10, 20]; // what is said at the beginning stays, whatever comes behind it
 const mostLatencies = 100; // that the median is of
 
 export class LiveReader {
@@ -35,7 +35,7 @@ export class LiveReader {
     } else if (shown.show === "begun") {
       this.begun = undefined;
     } else if (shown.show === "note") {
-      change({ notes: [...live.notes, shown.text].slice(-mostNotes) });
+      change({ notes: [...live.notes.slice(0, firstNotes), ...[...live.notes.slice(firstNotes), shown.text].slice(-lastNotes)] });
     } else {
       this.ended(shown.code);
     }
