@@ -138,7 +138,10 @@ void tell_next(Report& report, const AlignCommand& command, std::vector<Vec3> to
     nlohmann::ordered_json next = nlohmann::ordered_json::array();
     std::string line = is_enough(then)
                            ? fmt::format("next touches, with which it would be right within {} (mm):", in_words(then))
-                           : "next touches; the tracker's noise is so large that 100 are not enough (mm):";
+                           : fmt::format(
+                                 "next touches; the tracker's noise is so large that {} more are not enough "
+                                 "(mm):",
+                                 touched.size() - before);
     for (std::size_t i = before; i < touched.size(); ++i) {
         next.push_back({touched[i].x / millimetre, touched[i].y / millimetre, touched[i].z / millimetre});
         if (i < before + 10) line += (i > before ? "; " : " ") + in_mm(touched[i]);

@@ -281,14 +281,19 @@ std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
 
 std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts,
                            const std::string& lines) {
-    if (!lines.empty()) (void)LiveText::of_pipe(lines, "lines");  // a wrong one is said before anything is brought
-    const auto act = [this, scene = std::move(scene), parts = std::move(parts), lines](link::Commands& device,
-                                                                                       std::uint64_t number) {
+    if (!lines.empty() && (parts.empty() || parts.size() != scene->settings.triggers.size()))
+        throw bad_argument("lines",
+                           fmt::format("they start the {} parts of the scene's triggers, and {} are to be played",
+                                       scene->settings.triggers.size(), parts.size()));
+    // A wrong pipe is said before anything is brought. It stays open, because a writer would fail when it is closed.
+    const auto text = lines.empty() ? nullptr : std::make_shared<LiveText>(LiveText::of_pipe(lines, "lines"));
+    const auto act = [this, scene = std::move(scene), parts = std::move(parts), text](link::Commands& device,
+                                                                                      std::uint64_t number) {
         ordered_json report;
         bring(device, "play", number, *scene, report);
         link::Intensity intensity(scene->compiled.bundle.image);
         const auto fired =
-            parts.empty() ? nullptr : std::make_shared<Fired>(parts.size(), reader(*scene, lines, number));
+            parts.empty() ? nullptr : std::make_shared<Fired>(parts.size(), reader(*scene, text.get(), number));
         {
             const std::lock_guard lock(mutex_);
             playing_ = scene;
@@ -302,14 +307,16 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link:
     return ask({.name = "play", .act = act});
 }
 
-std::unique_ptr<TriggerReader> Player::reader(const Scene& scene, const std::string& lines,
-                                              std::uint64_t number) const {
-    if (lines.empty()) return {};
-    return std::make_unique<TriggerReader>(
-        scene.settings.triggers, LiveText::of_pipe(lines, "lines"), [this, number](const std::string& wrong) {
-            settings_.work(
-                {{"t", "progress"}, {"work", "play"}, {"number", number}, {"stage", "play"}, {"line", wrong}});
-        });
+std::unique_ptr<TriggerReader> Player::reader(const Scene& scene, LiveText* lines, std::uint64_t number) const {
+    if (lines == nullptr) return {};
+    static constexpr std::chrono::milliseconds between{100};  // pages show the last one
+    const auto tell = [this, number, told = std::chrono::steady_clock::time_point()](const std::string& wrong) mutable {
+        const auto now = std::chrono::steady_clock::now();
+        if (now - told < between) return;
+        told = now;
+        settings_.work({{"t", "progress"}, {"work", "play"}, {"number", number}, {"stage", "play"}, {"line", wrong}});
+    };
+    return std::make_unique<TriggerReader>(scene.settings.triggers, std::move(*lines), tell);
 }
 
 void Player::trigger(std::size_t part) {

@@ -62,7 +62,7 @@ public:
     /// The same, then plays it until its end or stop().
     /// @param parts  of it, if it waits for trigger() and the board's pin, each of which starts one
     /// @param lines  a named pipe whose lines start them, too; "": none. What they do not say is told as progress
-    /// @throws Error{bad_argument} naming "lines" when there is no such pipe
+    /// @throws Error{bad_argument} naming "lines" when there is no such pipe, or the parts are not all of the scene's
     std::uint64_t play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts = {},
                        const std::string& lines = "");
     /// Starts a part of what plays, at once. @throws Error{device} when nothing waits for it
@@ -107,7 +107,7 @@ private:
     void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
     link::Watch watch(link::Commands& device, const char* name, std::uint64_t number, link::Intensity& intensity,
                       std::function<void()> changed);
-    [[nodiscard]] std::unique_ptr<TriggerReader> reader(const Scene& scene, const std::string& lines,
+    [[nodiscard]] std::unique_ptr<TriggerReader> reader(const Scene& scene, LiveText* lines,
                                                         std::uint64_t number) const;
     void bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,
                nlohmann::ordered_json& report) const;

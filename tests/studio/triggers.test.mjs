@@ -13,7 +13,8 @@ async function fill(page, label, value) {
   await field.press("Enter");
 }
 
-test("triggers are made in the page, and a key or a button starts its part on the board", async (t) => {
+/** A page whose design has two triggers, by keys. */
+async function withTwo(t) {
   const page = await openPage(t, await startBrowser(t), await startStudio(t));
   await settled(page);
   await fill(page, "Focal points", 8);
@@ -21,6 +22,11 @@ test("triggers are made in the page, and a key or a button starts its part on th
   const triggers = panel(page, "Triggers");
   await triggers.getByRole("button", { name: "Add a trigger" }).click();
   await triggers.getByRole("button", { name: "Add a trigger" }).click();
+  return { page, triggers };
+}
+
+test("triggers are made in the page, and a key or a button starts its part on the board", async (t) => {
+  const { page, triggers } = await withTwo(t);
   await fill(page, "Trigger 1 plays to", 0.05);
   await page.getByLabel("Key of trigger 1", { exact: true }).fill("q");
   await settled(page); // what is typed stays when the page is drawn anew
@@ -75,14 +81,8 @@ test("triggers are made in the page, and a key or a button starts its part on th
 });
 
 test("words of a script and hands that enter a region start their parts by a named pipe", async (t) => {
-  const page = await openPage(t, await startBrowser(t), await startStudio(t));
-  await settled(page);
-  await fill(page, "Focal points", 8);
-  await page.locator("[data-step=Make]").click();
-  const triggers = panel(page, "Triggers");
-  await triggers.getByRole("button", { name: "Add a trigger" }).click();
-  assert.equal(await page.getByLabel("Pipe of lines").count(), 0); // a key needs none
-  await triggers.getByRole("button", { name: "Add a trigger" }).click();
+  const { page } = await withTwo(t);
+  assert.equal(await page.getByLabel("Pipe of lines").count(), 0); // keys need none
   await page.getByLabel("Trigger 1 is", { exact: true }).selectOption("line");
   await fill(page, "Line of trigger 1", "go");
   await fill(page, "Trigger 1 plays so often", 0);

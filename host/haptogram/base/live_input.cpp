@@ -65,6 +65,10 @@ std::optional<std::string> LiveText::next(std::chrono::milliseconds patience) {
         const std::size_t seen = text_.size();
         if (!input_.read(text_, patience)) return {};
         newline = text_.find('\n', seen);
+        if (newline == std::string::npos && text_.size() > longest_line)
+            throw bad_input(where(), fmt::format("more than {} bytes without an end of line behind it; expected lines "
+                                                 "of text",
+                                                 longest_line));
     }
     if (newline == std::string::npos && text_.empty()) return {};
     std::string line = text_.substr(0, newline);

@@ -47,7 +47,10 @@ public:
         return LiveText(path, what);
     }
 
+    static constexpr std::size_t longest_line = 1'000'000;  ///< bytes; those of scenes and hands are shorter
+
     /// The next line without its end; empty when there is none yet.
+    /// @throws Error{bad_input} as LiveInput::read(), and for a line that is longer
     std::optional<std::string> next(std::chrono::milliseconds patience);
     [[nodiscard]] bool ended() const { return input_.ended() && text_.empty(); }
     [[nodiscard]] bool is_file() const { return input_.is_file(); }

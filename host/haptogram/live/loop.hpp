@@ -74,7 +74,7 @@ private:
 };
 
 /// @throws Error{failed} when frames made something to feel and nothing was played, when less than a quarter of the
-/// paths that went to the player began, or less than half was on the board in time
+/// paths that went to the player, less the frames that were skipped, began, or less than half was on the board in time
 void require_played(const LoopReport& report);
 /// That newer frames have overtaken most of those that made something to feel: a machine that is busy, or a board that
 /// answers late. Empty when they have not.
