@@ -150,7 +150,7 @@ dist: ## wheel, .deb, source archive and bitstreams into build/dist; PARTS="whee
 	@tools/dist $(PARTS)
 
 # Each ends in the picture of a heart. The wheel's seconds are those of pip alone.
-HEART := compile tools/demo/heart.ply --points 200 --rate 10 -o heart.hex
+HEART := compile tools/demo/heart.ply --size 40 --points 100 --rate 100 -o heart.hex
 SEEN := field heart.hex --plane xy@z=130 -o heart.png && head -c 4 heart.png | grep -q PNG
 fresh: ## the README's ways to begin, each on a bare Debian in a folder, with seconds and megabytes; ALL=1 every test there, too: needs root and debootstrap
 	@tools/dist wheel deb; failed=$$?; \

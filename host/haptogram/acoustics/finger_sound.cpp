@@ -16,7 +16,7 @@ namespace haptogram {
 namespace {
 
 constexpr std::string_view heading = "haptogram-finger-sound-1";
-constexpr double unit = 0.01;  // of the whole numbers in the file
+constexpr double file_step = 0.01;  // of the whole numbers in the file
 
 /// The numbers of the next line that is no comment.
 class NumberLines {
@@ -99,8 +99,8 @@ FingerSound::FingerSound(std::string_view text, const std::string& file) {
             if (parts.size() != 2 * grid_.turns)
                 throw lines.wrong(fmt::format("found {} numbers, expected {}", parts.size(), 2 * grid_.turns));
             for (std::size_t i = 0; i < grid_.turns; ++i)
-                values.emplace_back(static_cast<float>(unit * parts[2 * i]),
-                                    static_cast<float>(unit * parts[2 * i + 1]));
+                values.emplace_back(static_cast<float>(file_step * parts[2 * i]),
+                                    static_cast<float>(file_step * parts[2 * i + 1]));
         }
     }
 }
@@ -138,7 +138,7 @@ std::string write_finger_sound(const FingerSound::Grid& grid, const std::vector<
                    fmt::join(grid.ways, " "), grid.tilts, grid.turns);
     for (const FingerSound::Values& of_size : values)
         for (std::size_t i = 0; i < of_size.size(); ++i) {
-            const auto whole = [](float part) { return std::lround(static_cast<double>(part) / unit); };
+            const auto whole = [](float part) { return std::lround(static_cast<double>(part) / file_step); };
             fmt::format_to(out, "{} {}{}", whole(of_size[i].real()), whole(of_size[i].imag()),
                            (i + 1) % grid.turns == 0 ? "\n" : " ");
         }
