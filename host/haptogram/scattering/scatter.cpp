@@ -30,7 +30,7 @@ constexpr std::size_t adaptics_samples = 1000;  ///< of a pass of an AdapTics pa
 /// A polynomial takes the place of a measured pattern: only then is there a gradient that is quick (field.hpp).
 constexpr double pattern_error = 0.02;
 
-std::string in_mm(Vec3 p) {
+std::string in_words(Vec3 p) {
     return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", p.x / millimetre, p.y / millimetre, p.z / millimetre);
 }
 
@@ -64,7 +64,7 @@ Path ring_path_of(const ScatterSource& source, const Array& array) {
     if (!contact)
         throw bad_argument("ring", fmt::format("a surface through {} does not cut the finger as a finger is cut: move "
                                                "it, or turn it with --inward",
-                                               in_mm(*source.ring)));
+                                               in_words(*source.ring)));
     const RingOptions options;
     const std::vector<Vec3> places = ring_points(contact->section, options.points);
     std::vector<double> amplitudes(places.size(), 1.0);
@@ -119,14 +119,14 @@ Path path_of(const ScatterSource& source, const Array& array) {
 void check(const ScatterSource& source, const Array& array, const Body& body, const ScatteredStep& step) {
     for (const Focus& focus : step.foci) {
         if (const std::string why = array.unreachable(focus.position); !why.empty())
-            throw bad_input(fmt::format("focus {}", in_mm(focus.position)), why);
+            throw bad_input(fmt::format("focus {}", in_words(focus.position)), why);
         const double outside = body.solid.distance(focus.position);
         if (!source.foci_inside && !source.ring && outside < -body.longest_edge())
             throw impossible(
                 "focus",
                 fmt::format("{} is {:.2f} mm inside of the body; sound cannot get there. Move it to the skin, "
                             "or say that the array shall aim there all the same",
-                            in_mm(focus.position), -outside / millimetre),
+                            in_words(focus.position), -outside / millimetre),
                 {"foci_inside"});
     }
 }
@@ -165,7 +165,7 @@ void require_clear(const Array& array, const Body& body) {
         if (const double apart = body.solid.distance(array.elements[m].position); apart < least)
             throw bad_input(body.name,
                             fmt::format("element {} of {} at {} is {}; move the body away", m, array.name,
-                                        in_mm(array.elements[m].position),
+                                        in_words(array.elements[m].position),
                                         apart < 0.0 ? "inside of the body"
                                                     : fmt::format("only {:.2f} mm off it", apart / millimetre)));
 }
@@ -175,7 +175,7 @@ std::string title_of(const ScatterSource& source, const Scattered& found) {
         source.ring         ? fmt::format("a ring of {} foci{}", found.steps.size(), source.weighed ? ", weighed," : "")
         : source.plane_wave ? "a plane wave of 1 Pa"
         : !source.path.empty()    ? source.path
-        : source.foci.size() == 1 ? fmt::format("a focus at {}", in_mm(source.foci.front()))
+        : source.foci.size() == 1 ? fmt::format("a focus at {}", in_words(source.foci.front()))
                                   : fmt::format("{} foci in turn", source.foci.size());
     return fmt::format("{}: {} on {} of {} triangles", found.array.name, what, found.body.name,
                        found.body.panels.size());

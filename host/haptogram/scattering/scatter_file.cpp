@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json in_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / millimetre}; }
+ordered_json numbers_of(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / millimetre}; }
 
 ordered_json newtons(Vec3 f) { return {f.x * 1e3, f.y * 1e3, f.z * 1e3}; }
 
@@ -30,9 +30,9 @@ std::string surface_json(const Scattered& scattered) {
                          {"radiation_pa", scattered.radiation},
                          {"foci_mm", ordered_json::array()},
                          {"force_mn", newtons(scattered.force_n)}};
-    for (const Vec3& vertex : scattered.body.mesh.vertices) json["vertices_mm"].push_back(in_mm(vertex));
+    for (const Vec3& vertex : scattered.body.mesh.vertices) json["vertices_mm"].push_back(numbers_of(vertex));
     for (const ScatteredStep& step : scattered.steps)
-        for (const Focus& focus : step.foci) json["foci_mm"].push_back(in_mm(focus.position));
+        for (const Focus& focus : step.foci) json["foci_mm"].push_back(numbers_of(focus.position));
     return json.dump();
 }
 
@@ -70,7 +70,7 @@ std::string to_json_text(const Scattered& s) {
                          {"pressure_error", {{"low", error.low}, {"high", error.high}}},
                          {"pattern_error", s.pattern_error},
                          {"highest_radiation_pa", s.radiation[s.highest]},
-                         {"highest_at_mm", in_mm(s.body.panels[s.highest].centre)},
+                         {"highest_at_mm", numbers_of(s.body.panels[s.highest].centre)},
                          {"force_mn", newtons(s.force_n)},
                          {"resting", s.resting},
                          {"steps", ordered_json::array()}};
@@ -82,11 +82,11 @@ std::string to_json_text(const Scattered& s) {
     for (const ScatteredStep& step : s.steps) {
         ordered_json foci = ordered_json::array();
         for (const Focus& focus : step.foci)
-            foci.push_back({{"position_mm", in_mm(focus.position)}, {"amplitude", focus.amplitude}});
+            foci.push_back({{"position_mm", numbers_of(focus.position)}, {"amplitude", focus.amplitude}});
         json["steps"].push_back({{"foci", foci},
                                  {"share", step.share},
                                  {"highest_radiation_pa", step.highest_pa},
-                                 {"highest_at_mm", in_mm(step.highest_at)},
+                                 {"highest_at_mm", numbers_of(step.highest_at)},
                                  {"force_mn", newtons(step.force_n)}});
     }
     return json.dump(1) + "\n";
