@@ -17,6 +17,8 @@
 namespace haptogram::cli {
 namespace {
 
+using namespace scattering;
+
 struct ScatterCommand {
     ScatterSource source;
     std::vector<std::string> foci;
@@ -76,7 +78,7 @@ int scatter(const ScatterCommand& command) {
     const Vec3 angles = parse_three("rotate", command.rotate, "degrees");
     source.body.placement.rotate_deg = {angles.x, angles.y, angles.z};
     ProgressLine progress("scatter");
-    const Scattered found = haptogram::scatter(source, progress.callback());
+    const Scattered found = scattering::scatter(source, progress.callback());
     if (!command.output.empty()) write_scattered(command.output, found);
     if (command.output == "-") return 0;
     if (command.json)

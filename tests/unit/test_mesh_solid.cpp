@@ -215,7 +215,7 @@ TEST_CASE("mesh solid: the time of a frame hardly grows with the triangles", "[h
             double best_s = INFINITY;  // of five: the machine may have other work
             for (int k = 0; k < 5; ++k) {
                 const std::clock_t begin = std::clock();
-                const Touch made = touch(algorithm, object, skin, 0.1 * i);
+                const Touch made = touch_of(algorithm, object, skin, 0.1 * i);
                 best_s = std::min(best_s, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
                 REQUIRE_FALSE(made.lines.empty());
             }

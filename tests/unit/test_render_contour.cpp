@@ -42,7 +42,7 @@ TEST_CASE("contour: a plane through a sphere is a circle of its size", "[render]
                                 Expected{30, 40, 251.33}, Expected{40, 30, 188.50}, Expected{45, 21.794, 136.94});
     CAPTURE(e.height_mm);
     const TouchObject sphere = built_in_object("sphere", {});
-    const Touch made = touch(Algorithm::intersection, sphere, plane_at(0.2 + e.height_mm * millimetre));
+    const Touch made = touch_of(Algorithm::intersection, sphere, plane_at(0.2 + e.height_mm * millimetre));
     REQUIRE(made.lines.size() == 1);
     REQUIRE(made.lines[0].closed);
     CHECK(length_of(made.lines) / millimetre == Approx(e.length_mm).epsilon(0.002));
@@ -63,7 +63,7 @@ TEST_CASE("contour: a cone is cut in circles, and a cube of 100 mm in a square d
     ObjectMeasures measures;
     measures.centre = {0, 0, 0.25};  // of the box, so the base is at 200 mm
     const Touch made =
-        touch(Algorithm::intersection, built_in_object("cone", measures), plane_at(0.2 + e.height_mm * millimetre));
+        touch_of(Algorithm::intersection, built_in_object("cone", measures), plane_at(0.2 + e.height_mm * millimetre));
     REQUIRE(made.lines.size() == 1);
     CHECK(length_of(made.lines) / millimetre == Approx(e.length_mm).epsilon(0.002));
     CHECK(draw_hz(made) == Approx(e.hz).epsilon(0.002));
@@ -74,7 +74,7 @@ TEST_CASE("contour: a cone is cut in circles, and a cube of 100 mm in a square d
     CHECK(base / millimetre == Approx(314.16).epsilon(1e-4));
     CHECK(7.0 / base == Approx(22.28).epsilon(1e-3));
     // The square loses less than a cell at each corner.
-    const Touch square = touch(Algorithm::intersection, built_in_object("cube", {}), plane_at(0.2));
+    const Touch square = touch_of(Algorithm::intersection, built_in_object("cube", {}), plane_at(0.2));
     REQUIRE(square.lines.size() == 1);
     CHECK(length_of(square.lines) / millimetre == Approx(400).margin(4));
     CHECK(draw_hz(square) == Approx(17.5).epsilon(0.01));

@@ -130,7 +130,7 @@ TEST_CASE("algorithms: what each draws on a plane in a sphere", "[render]") {
     const TouchObject sphere = built_in_object("sphere", {});
     const auto skin = plane_at(0.23);
     const auto made = [&](char letter, TouchOptions options = {}) {
-        return touch(algorithm_of(std::string(1, letter)), sphere, skin, 0.0, options);
+        return touch_of(algorithm_of(std::string(1, letter)), sphere, skin, 0.0, options);
     };
     const double circle = 2 * pi * 0.04;
     CHECK(made('B').voices.empty());
@@ -156,7 +156,7 @@ TEST_CASE("algorithms: what each draws on a plane in a sphere", "[render]") {
             REQUIRE(line.points.size() == 5);
             REQUIRE(length_of(line) == Approx(4e-3).epsilon(1e-6));
         }
-        const Touch later = touch(algorithm_of(std::string(1, letter)), sphere, skin, 0.01, {});
+        const Touch later = touch_of(algorithm_of(std::string(1, letter)), sphere, skin, 0.01, {});
         const bool same = later.lines.size() == grain.lines.size() &&
                           later.lines.front().points[2].position == grain.lines.front().points[2].position;
         CHECK(same == (letter == 'F'));
@@ -193,7 +193,7 @@ TEST_CASE("algorithms: what each draws on a plane in a sphere", "[render]") {
 
 TEST_CASE("algorithms: a pointer waits at the corners of a square", "[render]") {
     const TouchObject cube = built_in_object("cube", measures_of(0.06, {0, 0, 0.2}));
-    const Touch made = touch(Algorithm::pointer, cube, plane_at(0.2));
+    const Touch made = touch_of(Algorithm::pointer, cube, plane_at(0.2));
     std::vector<Vec3> stops;
     double waited = 0.0;
     for (const Leg& leg : made.voices.at(0).legs)
@@ -217,7 +217,7 @@ TEST_CASE("algorithms: other lines keep the gap from features, or leave the fing
     options.gap_m = GENERATE(4e-3, 10e-3);
     for (const Algorithm algorithm :
          {Algorithm::features_intersection, Algorithm::features_solid, Algorithm::features_blobs}) {
-        const Touch made = touch(algorithm, cube, skin, 0.0, options);
+        const Touch made = touch_of(algorithm, cube, skin, 0.0, options);
         std::vector<SkinLine> features, others;
         for (const SkinLine& line : made.lines) (line.kind == LineKind::feature ? features : others).push_back(line);
         REQUIRE_FALSE(features.empty());
@@ -231,15 +231,15 @@ TEST_CASE("algorithms: other lines keep the gap from features, or leave the fing
     const auto length = [&](double gap_m) {
         TouchOptions some;
         some.gap_m = gap_m;
-        return length_of(touch(Algorithm::features_intersection, cube, skin, 0.0, some).lines);
+        return length_of(touch_of(Algorithm::features_intersection, cube, skin, 0.0, some).lines);
     };
-    const double a = length_of(touch(Algorithm::intersection, cube, skin).lines),
-                 b = length_of(touch(Algorithm::features, cube, skin).lines);
+    const double a = length_of(touch_of(Algorithm::intersection, cube, skin).lines),
+                 b = length_of(touch_of(Algorithm::features, cube, skin).lines);
     CHECK(length(0.0) == Approx(a + b));
     CHECK(length(5e-3) < length(0.0));
     CHECK(length(20e-3) <= length(5e-3));
     options.priority = Priority::finger;
-    const Touch made = touch(Algorithm::features_intersection, cube, skin, 0.0, options);
+    const Touch made = touch_of(Algorithm::features_intersection, cube, skin, 0.0, options);
     for (const SkinLine* feature : of_kind(made, LineKind::feature))
         for (const SkinLine* contour : of_kind(made, LineKind::contour)) REQUIRE(feature->region != contour->region);
 }
@@ -249,7 +249,7 @@ TEST_CASE("algorithms: their lengths have the order that Shapes felt", "[render]
     measures.height = 0.04;
     const TouchObject pyramid = built_in_object("pyramid", measures);
     const auto skin = palmar_surface(synthetic_hand(HandScript::press, 0.29, 0.15));
-    const auto length = [&](Algorithm algorithm) { return length_of(touch(algorithm, pyramid, skin).lines); };
+    const auto length = [&](Algorithm algorithm) { return length_of(touch_of(algorithm, pyramid, skin).lines); };
     const double a = length(Algorithm::intersection), h = length(Algorithm::features_intersection);
     CHECK(length(Algorithm::features) < a);
     CHECK(h == Approx(a).epsilon(0.15));
@@ -371,7 +371,7 @@ TEST_CASE("skin: a finger that goes straight down into a face feels the circle o
         hand.direction = {0, 0, -1};
         const double tip = face - depth + r;
         hand.fingers[1] = Finger{{Vec3{0, 0, tip + 80e-3}, {0, 0, tip + 45e-3}, {0, 0, tip + 20e-3}, {0, 0, tip}}, {}};
-        const Touch made = touch(Algorithm::intersection, object, palmar_surface(hand));
+        const Touch made = touch_of(Algorithm::intersection, object, palmar_surface(hand));
         const double wanted = depth < r ? std::sqrt(2.0 * r * depth - depth * depth) : r;
         REQUIRE_FALSE(made.lines.empty());
         INFO(depth);
@@ -504,10 +504,10 @@ TEST_CASE("render: hands and objects that do not meet are named, and nothing is 
     refuses(sphere, one_frame(parallel), "parallel");
     TouchOptions wrong;
     wrong.solid_level = 1.5;
-    REQUIRE_THROWS_WITH(touch(Algorithm::solid, sphere, plane_at(0.2), 0.0, wrong), Contains("solid_level"));
+    REQUIRE_THROWS_WITH(touch_of(Algorithm::solid, sphere, plane_at(0.2), 0.0, wrong), Contains("solid_level"));
     wrong = {};
     wrong.pace = Pace{7.0, 20.0};
-    REQUIRE_THROWS_WITH(touch(Algorithm::intersection, sphere, plane_at(0.2), 0.0, wrong),
+    REQUIRE_THROWS_WITH(touch_of(Algorithm::intersection, sphere, plane_at(0.2), 0.0, wrong),
                         Contains("either a speed or a frequency"));
     REQUIRE_THROWS_WITH(
         open_object({.name = "torus", .size_m = {}, .height_m = {}, .centre = {}, .angles_deg = {}, .unit = "mm"}),
@@ -531,7 +531,7 @@ TEST_CASE("render: few of the skin's points are asked for their distance", "[ren
         for (int i = 0; i < 10; ++i) {
             const auto skin = palmar_surface(synthetic_hand(HandScript::press, 0.1 * i, 0.23));
             for (const SkinRegion& region : skin) points += region.points.size();
-            lines += touch(algorithm_of(one.name), object, skin, 0.1 * i).lines.size();
+            lines += touch_of(algorithm_of(one.name), object, skin, 0.1 * i).lines.size();
         }
         CAPTURE(kind, one.letter, asked, points);
         if (one.letter != 'B') CHECK(lines >= 10);  // B has edges and corners, of which a sphere has none

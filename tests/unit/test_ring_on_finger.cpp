@@ -14,6 +14,7 @@
 #include "message_of.hpp"
 
 using namespace haptogram;
+using namespace haptogram::scattering;
 using Catch::Contains;
 
 namespace {

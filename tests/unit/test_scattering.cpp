@@ -16,6 +16,7 @@
 #include "haptogram/scattering/skin.hpp"
 
 using namespace haptogram;
+using namespace haptogram::scattering;
 
 namespace {
 
@@ -54,7 +55,8 @@ Body sphere(double ka, double elements) { return body_of(sphere_mesh(ka / k, wav
 /// A finger that lies obliquely.
 Body finger(double elements) {
     const Mesh mesh = capsule_mesh(5e-3, 18e-3, wavelength / elements);
-    const Shape placed = place(Shape{{mesh}}, {.rotate_deg = {35.0, -20.0, 50.0}, .center = Vec3{1e-3, 2e-3, 3e-3}});
+    const Shape placed =
+        placed_at(Shape{{mesh}}, {.rotate_deg = {35.0, -20.0, 50.0}, .center = Vec3{1e-3, 2e-3, 3e-3}});
     return body_of(std::get<Mesh>(placed.pieces.front()), "finger");
 }
 

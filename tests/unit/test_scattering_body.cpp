@@ -14,6 +14,7 @@
 #include "message_of.hpp"
 
 using namespace haptogram;
+using namespace haptogram::scattering;
 using Catch::Contains;
 using std::numbers::pi;
 
@@ -115,7 +116,7 @@ TEST_CASE("scattering: bodies that cannot be computed are refused with what woul
 
 TEST_CASE("scattering: what an array sends to a body is its field and its slope there", "[scattering]") {
     const Array array = find_array("tile-10x10");
-    const Shape placed = place(Shape{{sphere_mesh(8e-3, 2e-3)}}, {.center = Vec3{0.01, 0.0, 0.12}});
+    const Shape placed = placed_at(Shape{{sphere_mesh(8e-3, 2e-3)}}, {.center = Vec3{0.01, 0.0, 0.12}});
     const Body body = body_of(std::get<Mesh>(placed.pieces.front()), "ball");
     const auto drives = ideal_drives(array, from_mm(5, 0, 110));
     const IncidentSound sound = incident_from(array, drives, body);

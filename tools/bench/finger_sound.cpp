@@ -10,6 +10,7 @@
 
 int main() try {
     using namespace haptogram;
+    using namespace haptogram::scattering;
     constexpr double quarter = std::numbers::pi / 2.0;
     // At 40 kHz the radii are 5 to 10.5 mm.
     const FingerSound::Grid grid{

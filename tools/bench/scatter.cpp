@@ -16,6 +16,7 @@
 namespace {
 
 using namespace haptogram;
+using namespace haptogram::scattering;
 using haptogram::bench::least_s;
 
 constexpr double edge_m = 1.16e-3;  // 4320 triangles or so on 5 cm of a finger, as the paper Fingers has them
@@ -39,8 +40,8 @@ std::vector<float> radiation_of_ten(const Array& array, const Body& body, const 
 int main() {
     const Array array = find_array("tile-10x10");
     const double k = 2.0 * std::numbers::pi / array.wavelength_m();
-    const Shape lying = place(Shape{{capsule_mesh(8e-3, 50e-3, edge_m)}},
-                              {.rotate_deg = {0.0, 90.0, 0.0}, .center = from_mm(0, 0, 138)});
+    const Shape lying = placed_at(Shape{{capsule_mesh(8e-3, 50e-3, edge_m)}},
+                                  {.rotate_deg = {0.0, 90.0, 0.0}, .center = from_mm(0, 0, 138)});
     const Mesh& mesh = std::get<Mesh>(lying.pieces.front());
     nlohmann::ordered_json measured;
     double sum = 0.0;

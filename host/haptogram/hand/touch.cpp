@@ -260,8 +260,8 @@ std::uint32_t usual_dwell(Algorithm algorithm) {
     return algorithm == Algorithm::pointer || algorithm == Algorithm::press ? 400 : 10;
 }
 
-Touch touch(Algorithm algorithm, const TouchObject& object, const std::vector<SkinRegion>& skin, double time_s,
-            const TouchOptions& options) {
+Touch touch_of(Algorithm algorithm, const TouchObject& object, const std::vector<SkinRegion>& skin, double time_s,
+               const TouchOptions& options) {
     check(options);
     const bool only_contours = algorithm == Algorithm::intersection || algorithm == Algorithm::features_intersection ||
                                algorithm == Algorithm::pointer || algorithm == Algorithm::random_grain ||

@@ -77,8 +77,8 @@ struct Touch {
 /// @param skin    regions of one hand, or of several
 /// @param time_s  since the beginning, for what moves or is random
 /// @throws Error{bad_argument} naming a parameter that makes no sense
-[[nodiscard]] Touch touch(Algorithm algorithm, const TouchObject& object, const std::vector<SkinRegion>& skin,
-                          double time_s = 0.0, const TouchOptions& options = {});
+[[nodiscard]] Touch touch_of(Algorithm algorithm, const TouchObject& object, const std::vector<SkinRegion>& skin,
+                             double time_s = 0.0, const TouchOptions& options = {});
 
 /// Carrier periods of a step for which a path of the algorithm has enough points and not too many: 10, and 400 for the
 /// slow ones, which keeps the steps of L below a millimetre.

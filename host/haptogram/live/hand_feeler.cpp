@@ -113,7 +113,7 @@ HandFeeler::HandFeeler(const Array& array, double carrier_hz, Objects objects, c
       objects_(std::move(objects)),
       options_(options),
       predictor_(options.predict) {
-    static_cast<void>(touch(options.algorithm, {}, {}, 0.0, options.touch));  // refuses what makes no sense
+    static_cast<void>(touch_of(options.algorithm, {}, {}, 0.0, options.touch));  // refuses what makes no sense
     about_ = fmt::format("{}", fmt::join(news_of(*objects_(0.0)), "\n"));
 }
 
@@ -175,7 +175,7 @@ std::optional<Path> HandFeeler::feel(const Frame& frame, ShotReport& report) {
     predictor_.forget_before(frame.time_s - forget_s);
     if (skin.empty()) ++counts_.empty;
     const std::shared_ptr<const ObjectsNow> objects = objects_(frame.time_s);
-    const Touch made = touch(options_.algorithm, objects->all, skin, frame.time_s, options_.touch);
+    const Touch made = touch_of(options_.algorithm, objects->all, skin, frame.time_s, options_.touch);
     report.foci = made.voices.size();
     report.objects = objects->told;
     report.news = news_of(*objects);

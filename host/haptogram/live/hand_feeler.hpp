@@ -38,7 +38,7 @@ struct ObjectsNow {
 class HandFeeler final : public Feeler {
 public:
     using Objects = std::function<std::shared_ptr<const ObjectsNow>(double time_s)>;
-    /// @throws Error{bad_argument} as touch() does, and for options of the prediction
+    /// @throws Error{bad_argument} as touch_of() does, and for options of the prediction
     /// @param objects  what there is to feel at the time of a frame
     HandFeeler(const Array& array, double carrier_hz, Objects objects, const HandOptions& options);
     [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;

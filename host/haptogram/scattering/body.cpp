@@ -10,7 +10,7 @@
 #include "haptogram/hand/mesh_solid.hpp"
 #include "haptogram/scattering/shells.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 /// Without vertices that a file repeats, and triangles of which that leaves a line.
@@ -85,4 +85,4 @@ void require_fine(const Body& body, double wavelength_m, double least) {
                                  longest->longest_edge / millimetre));
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

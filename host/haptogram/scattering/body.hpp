@@ -8,7 +8,7 @@
 #include "haptogram/hand/solid.hpp"
 #include "haptogram/shape/shape.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// One boundary element: a flat triangle, on which the pressure is that at its centre.
 struct Panel {
@@ -40,4 +40,4 @@ struct Body {
 /// @throws Error{bad_input} naming the panel and what edge would do
 void require_fine(const Body& body, double wavelength_m, double least);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using std::numbers::pi;
@@ -174,4 +174,4 @@ DenseMatrix boundary_matrix(const Body& body, const Kernel& kernel) {
     return matrix;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -20,7 +20,7 @@ int openblas_get_num_threads(void);
 void openblas_set_num_threads(int threads);
 }
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 int whole(std::size_t value) { return static_cast<int>(value); }
@@ -65,4 +65,4 @@ void Factors::solve(DenseMatrix& sides) const {
     if (info != 0) throw Error(ErrorCode::failed, "scattering", fmt::format("LAPACK refuses argument {}", -info));
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// Stored column by column, each column padded to `stride` values.
 struct DenseMatrix {
@@ -37,4 +37,4 @@ private:
     std::vector<int> pivots_;
 };
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

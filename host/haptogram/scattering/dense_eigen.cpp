@@ -9,7 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/scattering/dense.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using Stride = Eigen::OuterStride<>;
@@ -47,4 +47,4 @@ void Factors::solve(DenseMatrix& sides) const {
     values = x;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

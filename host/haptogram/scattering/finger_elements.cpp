@@ -9,7 +9,7 @@
 #include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatterer.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using std::numbers::pi;
@@ -71,4 +71,4 @@ FingerSound::Values finger_sound_by_elements(const FingerSound::Grid& grid, doub
     return values;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

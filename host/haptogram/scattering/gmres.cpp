@@ -9,7 +9,7 @@
 
 #include "haptogram/base/error.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using Complex = std::complex<double>;
@@ -114,4 +114,4 @@ Iterated gmres(const DenseMatrix& matrix, const DenseMatrix& sides, double toler
     return found;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -4,7 +4,7 @@
 
 #include "haptogram/scattering/dense.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 struct Iterated {
     DenseMatrix solutions;   ///< one column a right-hand side
@@ -19,4 +19,4 @@ struct Iterated {
 [[nodiscard]] Iterated gmres(const DenseMatrix& matrix, const DenseMatrix& sides, double tolerance,
                              std::size_t most_rounds);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

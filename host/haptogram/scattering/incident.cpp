@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/scattering/incident.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using Complex = std::complex<double>;
@@ -51,4 +51,4 @@ IncidentSound point_source_on(const Body& body, Vec3 source, double wave_number)
     });
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -6,7 +6,7 @@
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/scattering/body.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// The sound that would be at a body's panels without the body, one value a panel, in the convention e^{jωt}.
 struct IncidentSound {
@@ -23,4 +23,4 @@ struct IncidentSound {
 /// A point source of 1 Pa·m: e^{−jkR}/R. It lies outside of the body.
 [[nodiscard]] IncidentSound point_source_on(const Body& body, Vec3 source, double wave_number);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

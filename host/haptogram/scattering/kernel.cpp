@@ -14,7 +14,8 @@
 #include "haptogram/acoustics/turn-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace haptogram::HWY_NAMESPACE {
+namespace haptogram::scattering::HWY_NAMESPACE {
+using namespace haptogram::HWY_NAMESPACE;
 
 /// One kernel a lane, from the vector R from the source to the point.
 class KernelLanes {
@@ -96,12 +97,12 @@ void kernel_sum_to(const Kernel& kernel, const KernelPoints& sources, Vec3 point
     found[1] = static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum_im)));
 }
 
-}  // namespace haptogram::HWY_NAMESPACE
+}  // namespace haptogram::scattering::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 HWY_EXPORT(kernel_column_to);
 HWY_EXPORT(kernel_sum_to);
@@ -135,5 +136,5 @@ std::complex<float> kernel_sum(const Kernel& kernel, const KernelPoints& sources
     return {static_cast<float>(found[0]), static_cast<float>(found[1])};
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering
 #endif

@@ -7,7 +7,7 @@
 
 #include "haptogram/array/vec3.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// What is summed: K + βH with the kernels K = ∂G/∂n_y and H = ∂²G/∂n_x∂n_y of Green's function G = e^{−jkr}/(4πr)
 /// between a point x on the body, with its normal n_x, and a source y with its normal n_y; β = −j·coupling (Burton and
@@ -43,4 +43,4 @@ void kernel_column(const Kernel& kernel, const KernelPoints& points, Vec3 source
 [[nodiscard]] std::complex<float> kernel_sum(const Kernel& kernel, const KernelPoints& sources, Vec3 point,
                                              Vec3 normal);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

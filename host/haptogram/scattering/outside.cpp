@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using Complex = std::complex<double>;
@@ -34,4 +34,4 @@ Complex scattered_far(const Body& body, std::span<const std::complex<float>> pre
     return sum;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

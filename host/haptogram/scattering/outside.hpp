@@ -5,7 +5,7 @@
 
 #include "haptogram/scattering/body.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// The scattered pressure at a point outside of the body, Pa: ∫p ∂G/∂n dS (Kirchhoff and Helmholtz), with each panel as
 /// one point, so further away than some edges.
@@ -17,4 +17,4 @@ namespace haptogram {
 [[nodiscard]] std::complex<double> scattered_far(const Body& body, std::span<const std::complex<float>> pressure,
                                                  double wave_number, Vec3 direction);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

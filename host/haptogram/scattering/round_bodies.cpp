@@ -9,7 +9,7 @@
 
 #include "haptogram/base/error.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using std::numbers::pi;
@@ -102,4 +102,4 @@ Mesh capsule_mesh(double radius, double length, double edge) {
 
 Mesh sphere_mesh(double radius, double edge) { return capsule_mesh(radius, 2.0 * radius, edge); }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

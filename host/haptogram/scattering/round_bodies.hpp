@@ -2,7 +2,7 @@
 #pragma once
 #include "haptogram/shape/shape.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 // Meshes for boundary elements: triangles that are nearly equilateral. Their corners lie a little outside of the true
 // surface, so that the mesh has the true volume: a scattered wave depends on it first.
@@ -14,4 +14,4 @@ namespace haptogram {
 /// @param length  of the whole, at least twice the radius
 [[nodiscard]] Mesh capsule_mesh(double radius, double length, double edge);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

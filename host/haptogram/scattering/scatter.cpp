@@ -21,7 +21,7 @@
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/ring_on_finger.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 constexpr double default_radius_m = 8e-3, default_length_m = 50e-3;
@@ -207,7 +207,7 @@ Body open_body(const BodySource& source, double wavelength_m) {
         if (!found->flaw.empty()) throw bad_input(source.name, found->flaw);
         mesh = *found;
     }
-    const Shape placed = place(Shape{{mesh}}, source.placement);
+    const Shape placed = placed_at(Shape{{mesh}}, source.placement);
     return body_of(std::get<Mesh>(placed.pieces.front()), source.name);
 }
 
@@ -289,4 +289,4 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
     return found;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -11,7 +11,7 @@
 #include "haptogram/scattering/body.hpp"
 #include "haptogram/shape/place.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// A rigid body: the path of a closed mesh, or the name of a built-in one.
 struct BodySource {
@@ -112,4 +112,4 @@ void check_scattered_path(const std::string& path);
 /// @throws Error{bad_input} when it cannot be written
 void write_scattered(const std::string& path, const Scattered& scattered);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

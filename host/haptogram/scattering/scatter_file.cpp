@@ -13,7 +13,7 @@
 #include "haptogram/scattering/scatter.hpp"
 #include "haptogram/verbs/level.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 using nlohmann::ordered_json;
@@ -149,4 +149,4 @@ void write_scattered(const std::string& path, const Scattered& scattered) {
         write_file(path, ending_of(path) == ".vtp" ? to_vtp(scattered) : to_csv(scattered));
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

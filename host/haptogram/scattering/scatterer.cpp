@@ -9,7 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/scattering/gmres.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 constexpr std::size_t most_panels = 16000;  ///< a matrix of 2 GB
@@ -68,4 +68,4 @@ SurfacePressures Scatterer::pressures(std::span<const IncidentSound> sounds) con
     return found;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -9,7 +9,7 @@
 #include "haptogram/scattering/boundary_matrix.hpp"
 #include "haptogram/scattering/incident.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 struct ScatteringOptions {
     /// Of the equation's derivative along the normal, in units of 1/k. 0 leaves it out: then the error is large near
@@ -52,4 +52,4 @@ private:
     double factors_residual_ = 0.0;
 };
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

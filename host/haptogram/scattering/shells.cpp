@@ -12,7 +12,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/mesh_solid.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 /// One shell, and the solid inside it whichever way its faces look.
@@ -105,4 +105,4 @@ void require_one_body(const Mesh& mesh) {
                                         shell.inwards ? "inwards, as the wall of a hollow" : "outwards, as a body"));
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -2,7 +2,7 @@
 #pragma once
 #include "haptogram/shape/shape.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// That the shells of a mesh, which are its connected parts, bound one body: none runs through another, and one inside
 /// another faces the other way, as the wall of a hollow does. Otherwise some of the space would count twice.
@@ -10,4 +10,4 @@ namespace haptogram {
 /// @throws Error{bad_input} naming "mesh", where it is, and what to do
 void require_one_body(const Mesh& mesh);
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace haptogram {
+namespace haptogram::scattering {
 namespace {
 
 /// Panels that share a corner with another one.
@@ -90,4 +90,4 @@ Vec3 Skin::force(std::span<const float> radiation) const {
     return sum;
 }
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

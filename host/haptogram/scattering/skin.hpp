@@ -9,7 +9,7 @@
 #include "haptogram/array/medium.hpp"
 #include "haptogram/scattering/body.hpp"
 
-namespace haptogram {
+namespace haptogram::scattering {
 
 /// The surface of a rigid body, on which the pressure is known at the panels' centres. It refers to the body.
 class Skin {
@@ -39,4 +39,4 @@ private:
     std::vector<std::vector<Share>> shares_;
 };
 
-}  // namespace haptogram
+}  // namespace haptogram::scattering

@@ -47,8 +47,8 @@ double length_of(const std::vector<Curve>& curves) {
 
 }  // namespace
 
-Drawing draw(const CurveTour& tour, const Array& array, double carrier_hz, const Pace& pace, Jump jump,
-             const ShapePathOptions& options) {
+Drawing drawing_of(const CurveTour& tour, const Array& array, double carrier_hz, const Pace& pace, Jump jump,
+                   const ShapePathOptions& options) {
     require_pace(pace);
     const std::vector<Curve>& curves = tour.curves;
     if (curves.empty()) throw bad_argument("shape", "there are no curves to draw", {"shape"});
@@ -102,7 +102,7 @@ Drawing draw(const CurveTour& tour, const Array& array, double carrier_hz, const
     return drawing;
 }
 
-Drawing draw(TouredPoints points, double carrier_hz, const Pace& pace) {
+Drawing drawing_of(TouredPoints points, double carrier_hz, const Pace& pace) {
     require_pace(pace);
     Drawing drawing;
     const std::size_t count = points.points.size();

@@ -48,11 +48,11 @@ struct Drawing {
 /// @param options  its `points` are those of all curves together
 /// @throws Error{bad_argument} unless the pace has exactly one positive number; Error{bad_input} when a point would
 /// last less than a carrier period, or there are fewer points than curves, or points out of reach, or too many
-[[nodiscard]] Drawing draw(const CurveTour& tour, const Array& array, double carrier_hz, const Pace& pace, Jump jump,
-                           const ShapePathOptions& options);
+[[nodiscard]] Drawing drawing_of(const CurveTour& tour, const Array& array, double carrier_hz, const Pace& pace,
+                                 Jump jump, const ShapePathOptions& options);
 
 /// The same for points in the order of a tour: the focus stays for the same time at each.
-[[nodiscard]] Drawing draw(TouredPoints points, double carrier_hz, const Pace& pace);
+[[nodiscard]] Drawing drawing_of(TouredPoints points, double carrier_hz, const Pace& pace);
 
 /// Rounds the stretches to whole carrier periods. What rounding takes from one stretch it gives to the next, so that
 /// dwells of n and n + 1 periods alternate where they must, and no point comes more than half a period early or late.

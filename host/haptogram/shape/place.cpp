@@ -119,7 +119,7 @@ Box bounding_box(const Shape& shape) {
     return box;
 }
 
-Shape place(const Shape& shape, const Placement& placement) {
+Shape placed_at(const Shape& shape, const Placement& placement) {
     const auto check_positive = [](const char* name, double value) {
         if (!(value > 0.0) || !std::isfinite(value)) throw bad_setting(name, value, "a positive number");
     };

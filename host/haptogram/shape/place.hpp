@@ -29,6 +29,6 @@ struct Placement {
 
 /// @throws Error{bad_argument} that names the setting: `scale` or `size` that is not positive and finite, `rotate` or
 ///         `center` that is not finite, or `size` for a shape without extent
-[[nodiscard]] Shape place(const Shape& shape, const Placement& placement);
+[[nodiscard]] Shape placed_at(const Shape& shape, const Placement& placement);
 
 }  // namespace haptogram

@@ -198,7 +198,7 @@ void check_primitive(const PrimitiveSpec& spec) {
 Shape make_primitive(const PrimitiveSpec& spec) {
     const auto known = kinds();
     const Kind& kind = kind_of(spec, known);
-    return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
+    return placed_at(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
 }
 
 }  // namespace haptogram

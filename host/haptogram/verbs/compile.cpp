@@ -62,7 +62,7 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
             hashes += sha256(content);
             part = load(source, name, content, warnings);
         }
-        if (source.placement != Placement{}) part = place(part, source.placement);
+        if (source.placement != Placement{}) part = placed_at(part, source.placement);
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
         if (ends != nullptr) ends->push_back(shape.pieces.size());
     }
@@ -258,8 +258,9 @@ Drawing drawing_of(const Project& project, const Shape& shape, const Array& arra
     std::vector<Curve> curves;
     for (const Piece& piece : shape.pieces)
         if (const Curve* const curve = std::get_if<Curve>(&piece)) curves.push_back(*curve);
-    if (curves.size() < shape.pieces.size()) return draw(tour_of(shape, array, options), carrier_hz, project.pace);
-    return draw(curve_tour(curves), array, carrier_hz, project.pace, project.jump, options);
+    if (curves.size() < shape.pieces.size())
+        return drawing_of(tour_of(shape, array, options), carrier_hz, project.pace);
+    return drawing_of(curve_tour(curves), array, carrier_hz, project.pace, project.jump, options);
 }
 
 /// The path that a project names.
@@ -544,7 +545,7 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
     }
     std::vector<std::string> warnings;
     PlacedShapes all;
-    all.whole = place(gather(project, hashes, warnings, &all.ends), placement(project));
+    all.whole = placed_at(gather(project, hashes, warnings, &all.ends), placement(project));
     const Shape own = project.key_frames.empty() ? Shape{} : own_shape(project, all);
     const Shape& shape = project.key_frames.empty() ? all.whole : own;
     progress(0.3, "sampling");
@@ -658,7 +659,7 @@ Shape shape_of(const Project& project) {
     if (!project.is_of_shapes()) return {};
     std::string hashes;
     std::vector<std::string> warnings;  // compile tells them
-    return place(gather(project, hashes, warnings), placement(project));
+    return placed_at(gather(project, hashes, warnings), placement(project));
 }
 
 Compiled compile(const Project& project, const std::string& name, const Progress& progress, Shape* shape) {

@@ -32,8 +32,8 @@ Mesh mesh_of(const ObjectSource& source, const FileReader& read) {
     placement.rotate_deg = {source.angles_deg.x, source.angles_deg.y, source.angles_deg.z};
     placement.center = source.centre;
     const ShapeFormat format = shape_format(source.name);
-    Shape shape =
-        place(load_shape(read ? read(source.name) : read_file(source.name), format, source.name, metres), placement);
+    Shape shape = placed_at(load_shape(read ? read(source.name) : read_file(source.name), format, source.name, metres),
+                            placement);
     if (shape.pieces.size() != 1 || !std::holds_alternative<Mesh>(shape.pieces.front()))
         throw bad_input(source.name, "it has points without faces, and so no volume; give a closed mesh");
     if (const std::string& flaw = std::get<Mesh>(shape.pieces.front()).flaw; !flaw.empty())

@@ -247,7 +247,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         const HandFrame& frame = hands.frames[i];
         const std::clock_t began = std::clock();
         const std::vector<SkinRegion> skin = skin_of(frame, i + 1, settings.skin);
-        const Touch made = touch(settings.algorithm, object, skin, frame.time_s, settings.touch);
+        const Touch made = touch_of(settings.algorithm, object, skin, frame.time_s, settings.touch);
         am_hz = std::max(am_hz, made.am_hz);
         Played played;
         if (one && made.voices.empty()) throw nothing_touched(object, hands, settings);
@@ -355,7 +355,7 @@ void draw_render(const std::string& path, const TouchObject& object, const HandR
         const FrameReport& report = *touching[panels == 1 ? 0 : k * (touching.size() - 1) / (panels - 1)];
         const HandFrame& frame = hands.frames[report.frame - 1];
         const std::vector<SkinRegion> skin = skin_of(frame, report.frame, options.skin);
-        const Touch made = touch(options.algorithm, object, skin, frame.time_s, options.touch);
+        const Touch made = touch_of(options.algorithm, object, skin, frame.time_s, options.touch);
         PathPen pen(array, carrier_hz, options.dwell.value_or(usual_dwell(options.algorithm)));
         (void)pen.play_pass(made.voices, options.points);
         const Path pass = pen.path();
