@@ -80,6 +80,8 @@ TouchObject standing(std::string_view kind, double size, double height) {
 
 std::span<const std::string_view> object_kinds() { return kinds; }
 
+bool has_height(std::string_view kind) { return kind == "cone" || kind == "pyramid" || kind == "cylinder"; }
+
 TouchObject built_in_object(std::string_view kind, const ObjectMeasures& measures) {
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
         throw bad_argument("object",

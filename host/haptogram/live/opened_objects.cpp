@@ -89,6 +89,4 @@ FeltObject OpenedObjects::told(const std::string& name, const ObjectSource& sour
     return told;
 }
 
-bool has_height(std::string_view kind) { return kind == "cone" || kind == "pyramid" || kind == "cylinder"; }
-
 }  // namespace haptogram::live

@@ -3,7 +3,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "haptogram/hand/object.hpp"
@@ -11,9 +10,6 @@
 #include "haptogram/verbs/hand_source.hpp"
 
 namespace haptogram::live {
-
-/// Whether a kind of object has a height beside its size.
-[[nodiscard]] bool has_height(std::string_view kind);
 
 /// Opens objects as open_object() does, but reads each mesh file once: where it stands, how it is turned and how large
 /// it is then costs no more than a look at its corners.
