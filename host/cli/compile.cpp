@@ -15,9 +15,9 @@
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
-#include "haptogram/verbs/settings.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "setting_options.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -26,11 +26,10 @@ namespace {
 struct CompileOptions {
     std::vector<std::string> inputs;  ///< shape files, or one project file
     std::vector<std::string> shapes;
-    PrimitiveSpec primitive;  ///< the measures of every --shape, in mm; its kind is not used
-    std::vector<std::pair<const Setting*, SettingValue>> settings;
-    std::optional<std::string> rig, unit, up;
-    std::optional<double> size_mm, scale;
-    std::vector<double> center_mm, rotate_deg;
+    Given<Project> settings;
+    Given<Placement> place;
+    Given<ShapeSource> of_shapes;  ///< of every input and --shape that can have it
+    std::optional<std::string> rig;
     bool foci = false, records = false;
     std::string output = "image.hex";
     std::string save_path;
@@ -40,11 +39,6 @@ struct CompileOptions {
 };
 
 Project project_of(const CompileOptions& options) {
-    const PrimitiveSpec& measures = options.primitive;
-    if (options.shapes.empty() &&
-        (measures.diameter || measures.length || measures.height || measures.sides || measures.turns))
-        throw bad_argument("--diameter, --length, --height, --sides, --turns",
-                           "measure a built-in shape, and there is none; add --shape, or scale files with --size");
     Project project;
     std::vector<std::string> files = options.inputs;
     const bool in_file = files.size() == 1 && is_project(files.front());
@@ -60,24 +54,26 @@ Project project_of(const CompileOptions& options) {
         if (file.empty()) throw bad_input("\"\"", "an input's name is empty; name a shape file or a project");
         ShapeSource source;
         source.file = file;
-        source.unit = options.unit.value_or(source.unit);
-        source.up = options.up;
         project.shapes.push_back(source);
     }
     for (const std::string& kind : options.shapes) {
         ShapeSource source;
-        source.primitive = options.primitive;
         source.primitive.kind = kind;
-        for (std::optional<double>* length :
-             {&source.primitive.diameter, &source.primitive.length, &source.primitive.height})
-            if (*length) **length *= millimetre;
         project.shapes.push_back(source);
     }
-    for (const auto& [option, given] : {std::pair("--unit", &options.unit), std::pair("--up", &options.up)})
-        if (*given && (in_file || options.inputs.empty()))
-            throw bad_argument(option,
-                               "is of shape files on the command line, and there is none; a project file says it "
-                               "for each of its shapes");
+    for (const auto& [setting, value] : options.of_shapes) {
+        bool is_of_one = false;
+        for (ShapeSource& source : project.shapes) {
+            if (in_file || !setting->has_effect(source)) continue;
+            setting->put(source, *setting, value);
+            is_of_one = true;
+        }
+        if (!is_of_one)
+            throw bad_argument(std::string(setting->option),
+                               fmt::format("is of {} on the command line, and there is none; a project file says it "
+                                           "for each of its shapes",
+                                           setting->subject));
+    }
     for (const auto& [setting, value] : options.settings) {
         const bool is_file = std::holds_alternative<File>(setting->kind);
         if (in_file && (is_file || std::holds_alternative<FileOrName>(setting->kind))) {
@@ -87,11 +83,7 @@ Project project_of(const CompileOptions& options) {
             setting->put(project, *setting, value);
         }
     }
-    if (options.scale) project.placement.scale = *options.scale;
-    if (options.size_mm) project.placement.size_m = *options.size_mm * millimetre;
-    const std::vector<double>& c = options.center_mm;
-    if (!c.empty()) project.placement.center = from_mm(c[0], c[1], c[2]);
-    if (!options.rotate_deg.empty()) std::copy_n(options.rotate_deg.begin(), 3, project.placement.rotate_deg.begin());
+    options.place.put(project.placement);
     if (options.foci || options.records) project.image = options.foci ? ImageKind::foci : ImageKind::records;
     require_effect(options.given, project);
     return project;
@@ -243,45 +235,6 @@ int compile(CompileOptions options) {
     return 0;
 }
 
-/// The options of project_settings(), as its table has them.
-void add_settings(CLI::App& command, std::vector<std::pair<const Setting*, SettingValue>>& given) {
-    const auto keep = [&given](const Setting& setting) {
-        return [&given, &setting](const auto& value) { given.emplace_back(&setting, value); };
-    };
-    for (const Setting& one : project_settings()) {
-        if (one.get == nullptr || one.option.empty()) continue;
-        const std::string name(one.option), help(one.help);
-        CLI::Option* option = nullptr;
-        if (std::holds_alternative<Flag>(one.kind)) {
-            command.add_flag_function(
-                name, [take = keep(one)](std::int64_t) { take(true); }, help);
-            continue;
-        }
-        if (const auto* numbers = std::get_if<Numbers>(&one.kind)) {
-            option = command.add_option_function<double>(name, keep(one), help);
-            option->check(number(numbers->least, numbers->most));
-        } else if (const auto* whole_numbers = std::get_if<WholeNumbers>(&one.kind)) {
-            option = command.add_option_function<std::uint64_t>(name, keep(one), help);
-            option->check(whole(whole_numbers->least, whole_numbers->most));
-        } else {
-            option = command.add_option_function<std::string>(name, keep(one), help);
-            if (const auto* names = std::get_if<Choices>(&one.kind))
-                option->check(CLI::IsMember(std::vector<std::string>(names->begin(), names->end())));
-            else if (const auto* form = std::get_if<Form>(&one.kind))
-                option->check(CLI::Validator(
-                    [form](const std::string& text) {
-                        return form->fits(text) ? "" : fmt::format("found '{}', expected {}", text, form->expected);
-                    },
-                    "TEXT"));
-        }
-        if (const auto standard = default_of(one))
-            option->default_str(std::visit([](const auto& value) { return fmt::format("{}", value); }, *standard));
-        for (const Setting& other : project_settings())
-            if (!one.one_of.empty() && one.one_of == other.one_of && &other < &one)
-                option->excludes(command.get_option(std::string(other.option)));
-    }
-}
-
 }  // namespace
 
 void add_compile(CLI::App& app, Action& action) {
@@ -293,17 +246,9 @@ void add_compile(CLI::App& app, Action& action) {
                     "(.toml, .haptogram), whose settings the options below then override");
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
-    sub->add_option("--diameter", options->primitive.diameter, "Diameter of a built-in round shape, mm")
-        ->check(positive());
-    sub->add_option("--length", options->primitive.length,
-                    "Length of a built-in line or plus, or the edge of a built-in straight-edged shape, mm")
-        ->check(positive());
-    sub->add_option("--height", options->primitive.height, "Height of a built-in cone, cylinder or helix, mm")
-        ->check(positive());
-    sub->add_option("--sides", options->primitive.sides, "Sides of a built-in polygon")->check(whole(3, 1000));
-    sub->add_option("--turns", options->primitive.turns, "Turns of a built-in helix")->check(positive());
+    add_settings(*sub, shape_settings(), options->of_shapes);
     sub->add_option("--save-path", options->save_path, "Also write the path that the image plays, as JSON");
-    add_settings(*sub, options->settings);
+    add_settings(*sub, project_settings(), options->settings);
     sub->get_option("--am-law")->needs("--am");
     CLI::Option* array = sub->get_option("--array");
     array->description(fmt::format("{}; shipped: {}", array->get_description(), fmt::join(shipped_arrays(), ", ")));
@@ -312,28 +257,13 @@ void add_compile(CLI::App& app, Action& action) {
                                 "beside a rig manifest",
                                 fmt::join(shipped_rigs(), ", ")))
         ->excludes(array);
-    sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
-        ->check(CLI::IsMember({"mm", "cm", "m"}))
-        ->default_str(ShapeSource{}.unit);
-    sub->add_option("--up", options->up, "Axis of the files that points upwards; z when it is not given")
-        ->check(CLI::IsMember({"y", "z"}));
     auto* foci = sub->add_flag("--foci", options->foci,
                                "Foci of 8 bytes each, from which the board computes the timings, and the modulation in "
                                "the board's own memory (default, if the board computes foci)");
     sub->add_flag("--records", options->records,
                   "A record of timings for each focal point and each of its strengths (default otherwise)")
         ->excludes(foci);
-    sub->add_option("--center", options->center_mm,
-                    "Move the bounding box's centre to x,y,z mm (built-in shapes: 0,0,130)")
-        ->delimiter(',')
-        ->expected(3);
-    sub->add_option("--size", options->size_mm, "Scale so that the largest extent is this many mm")->check(positive());
-    sub->add_option("--rotate", options->rotate_deg, "Turn about the centre, degrees about x, then y, then z")
-        ->delimiter(',')
-        ->expected(3);
-    sub->add_option("--scale", options->scale, "Multiply every coordinate")
-        ->check(positive())
-        ->default_str(fmt::to_string(Placement{}.scale));
+    add_settings(*sub, place_settings(), options->place);
     sub->add_option("-o,--output", options->output, "Image; - is standard output")->capture_default_str();
     sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
     sub->add_option("--readmemh", options->readmemh,

@@ -270,7 +270,7 @@ void tell_dropped(Report& report, const live::OpenedSource& source, const live::
 int live_loop(const LiveCommand& command) {
     if (command.from.empty())
         throw bad_argument("from", "is missing; name what sees the hand, such as leap-pipe:- or fingers:press");
-    const ObjectSource object = object_of(command.object, command.given);
+    const ObjectSource object = object_of(command.object);
     live::CameraOptions cameras = command.cameras;
     cameras.target = object.centre;
     cameras.distance_m = command.distance_mm * millimetre;
@@ -392,7 +392,7 @@ void add_live(CLI::App& app, Action& action) {
         ->check(CLI::IsMember(algorithms, CLI::ignore_case))
         ->capture_default_str();
     sub->add_option("--object", options->object.name, object_words())->capture_default_str();
-    add_object_options(*sub, options->object);
+    add_settings(*sub, object_settings(), options->object.given);
     sub->add_option("--scene-in", options->scene_in,
                     "With A to L: lines of JSON that bring, move and take away objects: a file, whose lines are due at "
                     "their time_s, a named pipe or -")

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "command.hpp"
-#include "haptogram/verbs/source.hpp"
+#include "haptogram/base/error.hpp"
 
 namespace haptogram::cli {
 
@@ -20,30 +20,16 @@ std::string object_words() {
     return fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface", fmt::join(object_kinds(), ", "));
 }
 
-void add_object_options(CLI::App& sub, ObjectArguments& object) {
-    sub.add_option("--size", object.size_mm,
-                   "Edge or diameter of the object, largest extent of a mesh, mm (default: 100, a mesh as it is)")
-        ->check(positive());
-    sub.add_option("--height", object.height_mm, "Height of a cone, pyramid or cylinder, mm (default: the size)")
-        ->check(positive());
-    sub.add_option("--center", object.center, "Center of the object: x,y,z mm")->capture_default_str();
-    sub.add_option("--rotate", object.rotate, "Turns of the object: degrees about x, then y, then z")
-        ->capture_default_str();
-    sub.add_option("--unit", object.unit, "Unit of a mesh file's coordinates")
-        ->check(CLI::IsMember({"mm", "cm", "m"}))
-        ->capture_default_str();
-}
-
-ObjectSource object_of(const ObjectArguments& object, const std::vector<std::string>& given) {
+ObjectSource object_of(const ObjectArguments& object) {
     ObjectSource source;
     source.name = object.name;
-    if (object.size_mm) source.size_m = *object.size_mm * millimetre;
-    if (object.height_mm) source.height_m = *object.height_mm * millimetre;
-    source.centre = parse_point_mm("center", object.center);
-    source.angles_deg = parse_three("rotate", object.rotate, "degrees");
-    source.unit = object.unit;
-    require_effect(given, {{"--height", {"cone", "pyramid", "cylinder"}}, {"--unit", {"a mesh file"}}},
-                   names_mesh(source) ? "a mesh file" : source.name, "the object");
+    for (const auto& [setting, value] : object.given) {
+        if (!setting->has_effect(source))
+            throw bad_argument(std::string(setting->option),
+                               fmt::format("has no effect, because the object is {}; it is of {}",
+                                           names_mesh(source) ? "a mesh file" : source.name, setting->subject));
+        setting->put(source, *setting, value);
+    }
     return source;
 }
 

@@ -27,10 +27,11 @@ using nlohmann::ordered_json;
 
 struct RenderCommand {
     ObjectArguments object;
-    std::string hand, model, algorithm = "A";
-    double hand_rate_hz = 60.0;
+    HandSource hand;
+    Given<HandSource> of_hand;
+    std::string algorithm = "A";
     std::optional<std::string> array, board;
-    std::optional<std::size_t> frame, points;
+    std::optional<std::size_t> points;
     std::optional<std::uint32_t> dwell;
     bool report = false, json = false;
     std::optional<std::string> am, am_law;
@@ -46,7 +47,7 @@ RenderOptions options_of(const RenderCommand& command) {
     RenderOptions options;
     options.algorithm = algorithm_of(command.algorithm);
     options.touch = touch_of(command.touch, command.seed);
-    options.frame = command.frame;
+    options.frame = command.hand.frame;
     options.points = command.points;
     options.dwell = command.dwell;
     options.am = command.am.value_or("");
@@ -60,7 +61,7 @@ RenderOptions options_of(const RenderCommand& command) {
 void check_options(const RenderCommand& command) {
     require_touch_effect(command.given, std::string(1, name_of(algorithm_of(command.algorithm)).letter), command.touch);
     require_effect(command.given, {{"--hand-model", {"a .pose file"}}, {"--hand-rate", {"a .pose file"}}},
-                   command.hand.ends_with(".pose") ? "a .pose file" : "no .pose file", "the hand");
+                   command.hand.recording.ends_with(".pose") ? "a .pose file" : "no .pose file", "the hand");
 }
 
 /// What is rendered, and on what.
@@ -82,7 +83,7 @@ Subject subject_in_file(const RenderCommand& command) {
     if (!project.hand)
         throw bad_input(command.object.name,
                         "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
-    if (command.frame) project.hand->frame = command.frame;
+    if (command.hand.frame) project.hand->frame = command.hand.frame;
     if (command.array) project.array = from_here(*command.array);
     if (command.board) project.board = from_here(*command.board);
     open_hand(project);
@@ -92,15 +93,15 @@ Subject subject_in_file(const RenderCommand& command) {
 
 Subject subject_of(const RenderCommand& command) {
     if (is_project(command.object.name)) return subject_in_file(command);
-    if (command.hand.empty())
+    if (command.hand.recording.empty())
         throw bad_argument("hand", "is missing; name a recording of hands, or a script such as synthetic:slide");
     check_options(command);
     Subject subject{{}, options_of(command)};
     subject.project.array = command.array;
     subject.project.board = command.board;
-    HandSource& hand = subject.project.hand.emplace();
-    hand.touched = std::make_shared<const TouchObject>(open_object(object_of(command.object, command.given)));
-    hand.hands = std::make_shared<const HandRecording>(open_hands(command.hand, command.model, command.hand_rate_hz));
+    HandSource& hand = subject.project.hand.emplace(command.hand);
+    hand.touched = std::make_shared<const TouchObject>(open_object(object_of(command.object)));
+    hand.hands = std::make_shared<const HandRecording>(open_hands(hand.recording, hand.model, hand.rate_hz));
     return subject;
 }
 
@@ -117,7 +118,7 @@ int render(const RenderCommand& command) {
     std::string path, picture;
     std::vector<NamedPath> inputs, outputs;
     if (!command.object.name.empty()) inputs.push_back({"the object", command.object.name});
-    if (!command.hand.empty()) inputs.push_back({"--hand", command.hand});
+    if (!command.hand.recording.empty()) inputs.push_back({"--hand", command.hand.recording});
     for (const std::string& output : command.outputs) {
         std::string& place = output.ends_with(".png") ? picture : path;
         if (output != "-" && !output.ends_with(".png") && !output.ends_with(".json"))
@@ -208,13 +209,7 @@ void add_render(CLI::App& app, Action& action) {
                "--board",
                object_words()))
         ->required();
-    sub->add_option("--hand", options->hand,
-                    "A Leap recording (.json, .lz), poses (.pose), or synthetic:press, slide, grasp or wave, with "
-                    ":HEIGHT of the palm in mm behind it if it is not 200");
-    sub->add_option("--hand-model", options->model, "Bones of a .pose file (default: model_hand.json beside it)");
-    sub->add_option("--hand-rate", options->hand_rate_hz, "Frames a second of a .pose file")
-        ->check(positive())
-        ->capture_default_str();
+    add_settings(*sub, hand_settings(), options->of_hand);
     std::string about;
     std::vector<std::string> letters;
     for (const AlgorithmName& one : algorithm_names()) {
@@ -224,11 +219,9 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_option("--algorithm", options->algorithm, about)
         ->check(CLI::IsMember(letters, CLI::ignore_case))
         ->capture_default_str();
-    add_object_options(*sub, options->object);
+    add_settings(*sub, object_settings(), options->object.given);
     sub->add_option("--array", options->array, "Array file or shipped array; by default the board's, or tile-10x10");
     sub->add_option("--board", options->board, "Board file, shipped board or configuration");
-    sub->add_option("--frame", options->frame, "Only this frame, from 1: one pass, to be repeated")
-        ->check(whole(1, 1'000'000'000));
     auto* points = sub->add_option("--points", options->points, "Points of the pass of one frame, instead of --dwell")
                        ->check(whole(1, 1'000'000));
     sub->add_option("--dwell", options->dwell, "Carrier periods of a step (default: 10; of K and L 400)")
@@ -254,6 +247,7 @@ void add_render(CLI::App& app, Action& action) {
                     "The path as .json (- is standard output), or a .png picture; may be repeated");
     sub->callback([sub, options, &action] {
         options->given = given_to(*sub);
+        options->of_hand.put(options->hand);
         action = [options] { return render(*options); };
     });
 }

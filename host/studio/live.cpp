@@ -68,7 +68,7 @@ constexpr std::string_view of_both[] = {"speed_m_s", "frequency_hz", "jump", "se
 constexpr std::string_view of_image[] = {"array", "board", "points", "image", "loops"};
 
 std::string option_of(const Setting& setting, const SettingValue& value) {
-    return fmt::format("{}={}", setting.option, std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
+    return fmt::format("{}={}", setting.option, option_text(value));
 }
 
 /// Hands on how the design draws, but for what its table [live] says. What a session would play in another way than the
@@ -84,7 +84,7 @@ void take_drawing(LiveStart& start, const Project& project) {
         const bool both = std::ranges::find(of_both, setting.key) != std::end(of_both);
         if (setting.get == nullptr || std::ranges::find(of_image, setting.key) != std::end(of_image)) continue;
         const std::optional<SettingValue> value = setting.get(project, setting);
-        if (!value || value == default_of(setting) || !why_idle(setting.key, project).empty()) continue;
+        if (!value || value == default_of(setting) || !setting.has_effect(project)) continue;
         if (!both)
             throw bad_argument(std::string(setting.key),
                                fmt::format("a live session has no such setting, and would play without it; leave {} "

@@ -75,7 +75,7 @@ TEST_CASE("hand project: bad ones are refused by the key") {
         {"[hand]\nrecording = 5\n", "hand.recording"},
         {"[hand]\nrecording = \"synthetic:press\"\nframes = 3\n", "unknown key hand.frames"},
         {"[hand]\nrecording = \"synthetic:press\"\nframe = 0\n", "hand.frame"},
-        {"[hand]\nrecording = \"synthetic:press\"\nalgorithm = \"M\"\n", "a letter from A to L"},
+        {"[hand]\nrecording = \"synthetic:press\"\nalgorithm = \"M\"\n", "\"K\" or \"L\", found 'M'"},
         {"[hand]\nrecording = \"synthetic:press\"\nunit = \"inch\"\n", "hand.unit"},
         {"[hand]\nrecording = \"synthetic:press\"\nsize_mm = -1\n", "hand.size_mm"},
         {"points = 9\n[hand]\nrecording = \"synthetic:press\"\n", "add a frame"},

@@ -28,7 +28,10 @@ struct AnotherValue {
             if (!standard || *standard != SettingValue(std::string(name))) return std::string(name);
         return {};
     }
-    SettingValue operator()(OwnTable) const { return {}; }
+    SettingValue operator()(Length) const { return 3.0; }
+    SettingValue operator()(Place) const { return std::array{3.0, -4.0, 5.5}; }
+    SettingValue operator()(Turn) const { return std::array{3.0, -4.0, 5.5}; }
+    SettingValue operator()(Table) const { return {}; }
 };
 
 /// Shapes that are drawn, or a path: each setting has an effect on one of them.
@@ -54,8 +57,61 @@ struct SchemaOf {
     nlohmann::json operator()(Choices names) const {
         return {{"enum", std::vector<std::string>(names.begin(), names.end())}};
     }
-    nlohmann::json operator()(OwnTable) const { return {}; }
+    nlohmann::json operator()(Length) const { return (*this)(Numbers{Length::least_mm, Length::most_mm}); }
+    nlohmann::json operator()(Place) const {
+        return {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}, {"items", {{"type", "number"}}}};
+    }
+    nlohmann::json operator()(Turn) const { return (*this)(Place{}); }
+    nlohmann::json operator()(Table) const { return {}; }
 };
+
+/// Checks that a part of the schema has each row of a table, and no others.
+template <class... Owners>
+void check_schema(const nlohmann::json& properties, Settings<Owners>... tables) {
+    std::size_t rows = 0;
+    const auto check = [&](const auto& table) {
+        for (const auto& one : table) {
+            CAPTURE(one.key);
+            ++rows;
+            REQUIRE(properties.contains(one.key));
+            if (one.get == nullptr) continue;
+            nlohmann::json row = std::visit(SchemaOf{}, one.kind);
+            row["description"] = std::string(one.help) + ".";
+            if (const auto standard = default_of(one); standard && one.needed.empty())
+                std::visit([&](const auto& v) { row["default"] = v; }, *standard);
+            CHECK(properties[std::string(one.key)] == row);
+        }
+    };
+    (check(tables), ...);
+    CHECK(rows == properties.size());
+}
+
+/// Checks that each row of a part's table comes back, one at a time.
+/// @param part  of a project
+template <class Owner, class Part>
+void check_part(const Project& project, Settings<Owner> table, Part part) {
+    for (const SettingOf<Owner>& one : table) {
+        CAPTURE(one.key);
+        Project changed = project;
+        if (one.subject == "shape files" || one.key == "file") {
+            changed.shapes.front().file = "a.ply";
+            changed.shapes.front().primitive = {};
+        } else if (one.key == "kind") {
+            continue;  // a measure comes with a kind that has it
+        } else if (one.subject == "built-in shapes") {
+            PrimitiveSpec& shape = changed.shapes.front().primitive;
+            shape.kind = one.key == "length_mm" ? "line" : one.key == "sides" ? "polygon" : "helix";
+        }
+        const SettingValue value =
+            one.key == "shape" ? SettingValue(std::uint64_t{1}) : std::visit(AnotherValue{default_of(one)}, one.kind);
+        one.put(part(changed), one, value);
+        const std::string text = to_toml(changed);
+        INFO(text);
+        Project read = project_from_toml(text, "p.toml");
+        CHECK(one.get(part(read), one) == value);
+        CHECK(to_toml(read) == text);
+    }
+}
 
 }  // namespace
 
@@ -74,18 +130,35 @@ TEST_CASE("settings: each one comes back from a project file", "[settings]") {
     }
 }
 
-TEST_CASE("settings: the schema of projects has each row as the table has it", "[settings]") {
-    const nlohmann::json properties =
-        nlohmann::json::parse(read_file(std::filesystem::path(test_data()) / "../../docs/schemas/project.schema.json"))
-            .at("properties");
-    for (const Setting& one : project_settings()) {
-        if (one.key.empty()) continue;
-        CAPTURE(one.key);
-        REQUIRE(properties.contains(one.key));
-        if (one.get == nullptr) continue;
-        nlohmann::json row = std::visit(SchemaOf{}, one.kind);
-        row["description"] = std::string(one.help) + ".";
-        if (const auto standard = default_of(one)) std::visit([&](const auto& v) { row["default"] = v; }, *standard);
-        CHECK(properties[std::string(one.key)] == row);
+TEST_CASE("settings: those of the parts of a project come back from a file", "[settings]") {
+    const Project shapes = a_project("shape");
+    check_part(shapes, place_settings(), [](Project& p) -> Placement& { return p.placement; });
+    check_part(shapes, place_settings(), [](Project& p) -> Placement& { return p.shapes.front().placement; });
+    check_part(shapes, shape_settings(), [](Project& p) -> ShapeSource& { return p.shapes.front(); });
+    Project moved = shapes;
+    moved.key_frames.resize(2);
+    check_part(moved, key_frame_settings(), [](Project& p) -> KeyFrame& { return p.key_frames.back(); });
+    Project felt;
+    felt.hand.emplace().recording = "synthetic:press";
+    check_part(felt, hand_settings(), [](Project& p) -> HandSource& { return *p.hand; });
+    check_part(felt, object_settings().first(2), [](Project& p) -> ObjectSource& { return p.hand->object; });
+    for (const char* name : {"cone", "a.ply"}) {
+        felt.hand->object.name = name;
+        for (const SettingOf<ObjectSource>& one : object_settings().subspan(2))
+            if (one.has_effect(felt.hand->object))
+                check_part(felt, Settings<ObjectSource>(&one, 1),
+                           [](Project& p) -> ObjectSource& { return p.hand->object; });
     }
+}
+
+TEST_CASE("settings: the schema of projects has each row as the tables have it", "[settings]") {
+    const nlohmann::json schema =
+        nlohmann::json::parse(read_file(std::filesystem::path(test_data()) / "../../docs/schemas/project.schema.json"));
+    nlohmann::json whole = schema.at("properties");
+    whole.erase("format");
+    check_schema(whole, project_settings());
+    check_schema(whole.at("place").at("properties"), place_settings());
+    check_schema(whole.at("keyframe").at("items").at("properties"), key_frame_settings());
+    check_schema(schema.at("$defs").at("shape").at("properties"), shape_settings(), place_settings());
+    check_schema(schema.at("$defs").at("hand").at("properties"), hand_settings(), object_settings());
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,39 +21,68 @@ struct Numbers {
 struct WholeNumbers {
     std::uint64_t least, most;
 };
+struct Length {  ///< in mm, and metres inside
+    static constexpr double least_mm = 1e-6, most_mm = 1e6;
+};
+struct Place {};  ///< x, y and z, likewise
+struct Turn {};   ///< degrees about x, then y, then z
 struct Form {
     bool (*fits)(std::string_view);
     std::string_view expected;  ///< in words
     std::string_view pattern;   ///< the same as a regular expression
 };
 using Choices = std::span<const std::string_view>;
-struct OwnTable {};  ///< a table of the project file, with a reader of its own, or an option of such a table
+struct Table {};  ///< of the project file, with settings of its own
 
-using SettingValue = std::variant<bool, std::uint64_t, double, std::string>;
+/// As an option or a file has it.
+using SettingValue = std::variant<bool, std::uint64_t, double, std::string, std::array<double, 3>>;
+/// As an option's word.
+[[nodiscard]] std::string option_text(const SettingValue& value);
 
-/// A setting of a project. What the command line, the project file and its schema say of it stands here once. A setting
-/// that not everything can have says what can: where it has no effect it is refused.
-struct Setting {
-    std::string_view key;       ///< in a project file; none: an option of a table that has it alone
-    std::string_view option{};  ///< of haptogram compile; none: it has options of its own, or is in files alone
+/// What the command line, the project file and its schema say of a setting.
+struct SettingText {
+    std::string_view key;       ///< in a project file
+    std::string_view option{};  ///< of a command; none: it has options of its own, or is in files alone
     std::string_view help{};    ///< a sentence without its full stop
-    std::variant<Flag, File, FileOrName, Numbers, WholeNumbers, Form, Choices, OwnTable> kind = OwnTable{};
-    std::string_view one_of{};  ///< what it says, when another setting can say it instead: a project has one of them
-    bool (*applies)(const Project&) = nullptr;  ///< whether it has an effect; none: it always has
-    std::string_view subject{};                 ///< what it is of, in words
-    std::optional<SettingValue> (*get)(const Project&, const Setting&) = nullptr;  ///< nothing: it is not said
-    void (*put)(Project&, const Setting&, const SettingValue&) = nullptr;
+    std::variant<Flag, File, FileOrName, Numbers, WholeNumbers, Length, Place, Turn, Form, Choices, Table> kind =
+        Table{};
+    std::string_view needed{};   ///< what it must be, in words, if it must be there
+    std::string_view one_of{};   ///< what it says, when another setting can say it instead: one of them is there
+    std::string_view subject{};  ///< what it is of, in words, when not everything can have it
 };
 
+/// A setting of a project, or of a part of one. All that there is to say of it stands here once. A setting that not
+/// everything can have says what can: where it has no effect it is refused.
+template <class Owner>
+struct SettingOf : SettingText {
+    bool (*applies)(const Owner&) = nullptr;  ///< whether it has an effect; none: it always has
+    std::optional<SettingValue> (*get)(const Owner&, const SettingText&) = nullptr;  ///< nothing: it is not said
+    void (*put)(Owner&, const SettingText&, const SettingValue&) = nullptr;
+
+    [[nodiscard]] bool has_effect(const Owner& owner) const { return applies == nullptr || applies(owner); }
+};
+using Setting = SettingOf<Project>;
+template <class Owner>
+using Settings = std::span<const SettingOf<Owner>>;
+
 /// In the order in which a project file has them.
-[[nodiscard]] std::span<const Setting> project_settings();
+[[nodiscard]] Settings<Project> project_settings();
+[[nodiscard]] Settings<Placement> place_settings();  ///< of a project, and of each shape beside those of shapes
+[[nodiscard]] Settings<ShapeSource> shape_settings();
+[[nodiscard]] Settings<KeyFrame> key_frame_settings();
+[[nodiscard]] Settings<HandSource> hand_settings();
+[[nodiscard]] Settings<ObjectSource> object_settings();  ///< which stand beside those of a hand
 
 /// @param name  an option or a key
 /// @throws Error{bad_argument} when there is none
 [[nodiscard]] const Setting& setting_called(std::string_view name);
 
-/// What a project has that says nothing of it.
-[[nodiscard]] std::optional<SettingValue> default_of(const Setting& setting);
+/// What its owner has that says nothing of it.
+template <class Owner>
+[[nodiscard]] std::optional<SettingValue> default_of(const SettingOf<Owner>& setting) {
+    static const Owner standard{};
+    return setting.get == nullptr ? std::nullopt : setting.get(standard, setting);
+}
 
 /// Why a project cannot have a setting; empty when it can, or when there is no such setting.
 /// @param name  an option or a key
