@@ -20,12 +20,12 @@
 #include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/rig.hpp"
-#include "haptogram/verbs/settings.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "rig_ports.hpp"
+#include "setting_options.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -34,7 +34,7 @@ struct StreamOptions {
     std::string file = "-";
     std::string path;
     std::optional<std::string> array, board;
-    std::optional<std::size_t> points;
+    std::optional<SettingValue> points;
     std::uint64_t loops = 1;
     RigPorts ports;
     std::string on_loss = "off";
@@ -52,7 +52,8 @@ Project project_of(const StreamOptions& options) {
     project.array = options.array;
     project.board = options.board;
     if (options.points) {
-        project.points = *options.points;
+        const auto& points = setting_called("--points");
+        points.put(project, points, *options.points);
         require_effect(std::vector<std::string>{"--points"}, project);
     }
     project.am = options.am.value_or("");
@@ -205,10 +206,10 @@ void add_stream(CLI::App& app, Action& action) {
                      ->excludes(file);
     sub->add_option("--array", options->array, "Array of --path, as for compile")->needs(path);
     sub->add_option("--board", options->board, "Board of --path, as for compile")->needs(path);
-    sub->add_option("--points", options->points,
-                    "Points of --path, as for compile: how often an .adaptics pattern is looked at (default: 200)")
-        ->needs(path)
-        ->check(whole(1, 65535));
+    const auto& points = setting_called("--points");
+    add_setting(*sub, points, default_of(points), [options](const SettingValue& value) {
+        options->points = value;
+    })->needs(path);
     sub->add_option("--loops", options->loops, "Passes over the path; 0: until Ctrl-C")
         ->needs(path)
         ->check(whole(0, 65535))

@@ -195,7 +195,8 @@ TEST_CASE("project: a shape in memory is compiled like its file, and mistakes ar
         {"format = \"haptogram-project-1\"\nrate_hz = -3\n[[shape]]\nkind = \"cube\"\n", "p.toml:2: rate_hz must be"},
         {"format = \"haptogram-project-1\"\n[place]\ncenter_mm = [1, 2]\n[[shape]]\nkind = \"cube\"\n",
          "p.toml:3: place.center_mm"},
-        {"format = \"haptogram-project-1\"\n[[shape]]\nfile = \"a.ply\"\nsides = 3\n", "p.toml:4: sides is of built-in shapes"},
+        {"format = \"haptogram-project-1\"\n[[shape]]\nfile = \"a.ply\"\nsides = 3\n",
+         "p.toml:4: sides is of built-in shapes"},
     }));
     CAPTURE(text);
     REQUIRE_THROWS_WITH(project_from_toml(text, "p.toml"), Contains(message));
