@@ -100,25 +100,79 @@ ordered_json to_json(const std::optional<Board::Sdram>& sdram) {
             {"bank", sdram->bank}, {"address", sdram->address}, {"data", sdram->data},   {"flash", sdram->flash}};
 }
 
+ordered_json to_json(const Board::Flash& flash) {
+    ordered_json json = {{"load", flash.load}, {"write", flash.write}, {"note", flash.note}};
+    if (flash.load_jumpers) json["load_jumpers"] = *flash.load_jumpers;
+    if (flash.write_jumpers) json["write_jumpers"] = *flash.write_jumpers;
+    return json;
+}
+
+ordered_json to_json(const std::optional<Board::Wiring>& wiring) {
+    if (!wiring) return nullptr;
+    return {{"ground", wiring->ground},
+            {"power", wiring->power},
+            {"serial", wiring->serial},
+            {"before_configuration", wiring->driven ? "driven" : "inputs"},
+            {"places", wiring->places}};
+}
+
+/// Where a wire reaches each of the other pins, as far as it is known.
+ordered_json places_of(const Board& board) {
+    ordered_json json = ordered_json::object();
+    const Board::Pins& pins = board.pins;
+    const std::pair<const char*, const std::optional<std::string>&> named[] = {{"rx", pins.rx},
+                                                                               {"tx", pins.tx},
+                                                                               {"led", pins.led},
+                                                                               {"stop", pins.stop},
+                                                                               {"driver_enable", pins.driver_enable},
+                                                                               {"alive", pins.alive},
+                                                                               {"sync_in", pins.sync_in},
+                                                                               {"sync_out", pins.sync_out},
+                                                                               {"trigger_in", pins.trigger_in},
+                                                                               {"trigger_out", pins.trigger_out},
+                                                                               {"test", pins.test},
+                                                                               {"next_rx", pins.next_rx},
+                                                                               {"next_tx", pins.next_tx}};
+    for (const auto& [name, ball] : named)
+        if (ball && !board.place_of(*ball).empty()) json[name] = board.place_of(*ball);
+    return json;
+}
+
+/// What keeps the drivers off while the FPGA does not.
+std::string off_of(const Board& board) {
+    const Board::Pins& pins = board.pins;
+    if (!board.wiring->driven)
+        return fmt::format("4.7 kΩ from each driver's input to {}: pins are inputs until the FPGA is configured",
+                           pins.active_low ? "its supply of logic" : "ground");
+    if (!pins.driver_enable)
+        return "a hand switches the drivers' supply on last and off first: the pins drive before the FPGA is "
+               "configured";
+    return fmt::format("switch the drivers' supply by {}: the pins drive before the FPGA is configured",
+                       board.place_of(*pins.driver_enable).empty() ? "ball " + *pins.driver_enable
+                                                                   : board.place_of(*pins.driver_enable));
+}
+
 ordered_json to_json(const Pinout& pinout) {
     const Board& board = pinout.board;
-    ordered_json json = {
-        {"board", board.name},
-        {"description", board.description},
-        {"sources", board.sources},
-        {"fpga",
-         {{"family", board.fpga.family},
-          {"device", board.fpga.device},
-          {"package", board.fpga.package},
-          {"speed", nullptr},
-          {"top", board.fpga.top}}},
-        {"parameters", ordered_json::object()},
-        {"flash", {{"load", board.flash.load}, {"write", board.flash.write}, {"note", board.flash.note}}},
-        {"pins", to_json(board.pins)},
-        {"network", to_json(board.network)},
-        {"sdram", to_json(board.sdram)},
-        {"array", pinout.array.name},
-        {"outputs", ordered_json::array()}};
+    ordered_json json = {{"board", board.name},
+                         {"description", board.description},
+                         {"sources", board.sources},
+                         {"fpga",
+                          {{"family", board.fpga.family},
+                           {"device", board.fpga.device},
+                           {"package", board.fpga.package},
+                           {"speed", nullptr},
+                           {"top", board.fpga.top}}},
+                         {"parameters", ordered_json::object()},
+                         {"flash", to_json(board.flash)},
+                         {"pins", to_json(board.pins)},
+                         {"network", to_json(board.network)},
+                         {"sdram", to_json(board.sdram)},
+                         {"wiring", to_json(board.wiring)},
+                         {"places", places_of(board)},
+                         {"off", board.wiring ? ordered_json(off_of(board)) : ordered_json(nullptr)},
+                         {"array", pinout.array.name},
+                         {"outputs", ordered_json::array()}};
     for (const auto& one : interface::core_parameters) json["parameters"][one.name] = board.parameters.*one.member;
     if (board.fpga.speed) json["fpga"]["speed"] = *board.fpga.speed;
     for (const PinoutRow& row : pinout.rows) {
@@ -157,38 +211,51 @@ const char* level(std::uint32_t value) { return value == 0 ? "low" : "high"; }
 std::string to_text(const Pinout& pinout) {
     const Board& board = pinout.board;
     const Board::Pins& pins = board.pins;
+    const auto at = [&board](const std::string& ball) {
+        const std::string place = board.place_of(ball);
+        return fmt::format("ball {}{}{}", ball, place.empty() ? "" : ", ", place);
+    };
     std::string text = fmt::format("board  {}, {}\nFPGA   {}\n", board.name, board.description, fpga_name(board.fpga));
     text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameters.clock_hz / 1e6);
     if (pins.rx)
-        text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", *pins.rx, *pins.tx, board.parameters.baud);
+        text += fmt::format("UART   rx {}, tx {}, {} baud\n", at(*pins.rx), at(*pins.tx), board.parameters.baud);
     if (board.network)
         text += fmt::format("net    {}, MAC {}, UDP port {}; 1 Gbit/s\n", board.network->ip, board.network->mac,
                             interface::network::port);
     if (board.sdram)
         text += fmt::format("SDRAM  {} MiB, for {} records\n", board.parameters.sdram, board.parameters.records);
-    if (pins.led) text += fmt::format("LED    ball {}\n", *pins.led);
+    if (pins.led) text += fmt::format("LED    {}\n", at(*pins.led));
     if (pins.stop)
-        text += fmt::format("stop   ball {}; outputs are off while it is {}\n", *pins.stop, level(pins.stop_level));
+        text += fmt::format("stop   {}; outputs are off while it is {}\n", at(*pins.stop), level(pins.stop_level));
     if (pins.driver_enable)
-        text += fmt::format("enable ball {}; {} while outputs are on, for what switches the drivers\n",
-                            *pins.driver_enable, level(pins.driver_enable_level));
-    if (pins.alive) text += fmt::format("alive  ball {}; changes as long as there is a clock\n", *pins.alive);
+        text += fmt::format("enable {}; {} while outputs are on, for what switches the drivers\n",
+                            at(*pins.driver_enable), level(pins.driver_enable_level));
+    if (pins.alive) text += fmt::format("alive  {}; changes as long as there is a clock\n", at(*pins.alive));
     if (pins.sync_in)
-        text += fmt::format("SYNC   in ball {}; from the master, when this board is a slave\n", *pins.sync_in);
+        text += fmt::format("SYNC   in {}; from the master, when this board is a slave\n", at(*pins.sync_in));
     if (pins.sync_out)
-        text += fmt::format("SYNC   out ball {}; to the slaves, when this board is the master\n", *pins.sync_out);
-    if (pins.trigger_in) text += fmt::format("trigger in ball {}\n", *pins.trigger_in);
-    if (pins.trigger_out) text += fmt::format("trigger out ball {}\n", *pins.trigger_out);
-    if (pins.test) text += fmt::format("test   ball {}; for an oscilloscope\n", *pins.test);
+        text += fmt::format("SYNC   out {}; to the slaves, when this board is the master\n", at(*pins.sync_out));
+    if (pins.trigger_in) text += fmt::format("trigger in {}\n", at(*pins.trigger_in));
+    if (pins.trigger_out) text += fmt::format("trigger out {}\n", at(*pins.trigger_out));
+    if (pins.test) text += fmt::format("test   {}; for an oscilloscope\n", at(*pins.test));
     if (pins.next_rx)
-        text += fmt::format("chain  rx ball {}, tx ball {}; the serial line of the next board\n", *pins.next_rx,
-                            *pins.next_tx);
+        text += fmt::format("chain  rx {}, tx {}; the serial line of the next board\n", at(*pins.next_rx),
+                            at(*pins.next_tx));
     if (pins.active_low) text += "active low: a transducer's driver is on while its pin is low\n";
     if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
+    if (board.wiring) {
+        text += fmt::format("ground {}, by a meter first; join those of board, drivers and supplies\n",
+                            board.wiring->ground);
+        text += fmt::format("power  {}; the drivers have a supply of their own\n", board.wiring->power);
+        if (pins.rx) text += fmt::format("serial {}\n", board.wiring->serial);
+        text += fmt::format("off    {}\n", off_of(board));
+    }
     text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n",
                         pinout.array.name, pinout.array.elements.size());
-    text += fmt::format("flash  {}\n\n", board.flash.note);
-    return text + aligned(rows_of(pinout, "-"), 4);
+    text += fmt::format("flash  {}\n", board.flash.note);
+    if (board.flash.load_jumpers) text += fmt::format("jumpers to load: {}\n", *board.flash.load_jumpers);
+    if (board.flash.write_jumpers) text += fmt::format("jumpers to write the flash: {}\n", *board.flash.write_jumpers);
+    return text + "\n" + aligned(rows_of(pinout, "-"), 4);
 }
 
 int write_pinout(const PinoutOptions& options) {

@@ -145,6 +145,9 @@ def test_the_pinout_says_what_the_file_says(board):
     assert shown["pins"] == unsaid | file["pins"]
     assert shown["network"] == file.get("network")
     assert shown["sdram"] == file.get("sdram")
+    assert shown["wiring"] == {"places": {}} | file["wiring"]
+    places = {ball: f"{connector} pin {pin}" for connector, pin, _, ball in file["outputs"]} | file["wiring"].get("places", {})
+    assert shown["places"] == {key: places[ball] for key, ball in file["pins"].items() if key != "clk" and isinstance(ball, str) and ball in places}
 
 
 @pytest.mark.parametrize("board", BOARDS)
@@ -209,6 +212,63 @@ def test_the_wiring_as_a_picture(tmp_path):
     refuse(tmp_path, ["board", "pinout", LARGE, "--csv", "-o", "wiring.svg"], USAGE, "picture", outputs=["wiring.svg"])
 
 
+@pytest.mark.parametrize("board", [LARGE, SMALL, "ice40-hx8k-breakout", "colorlight-5a-75b-v8.0", "colorlight-5a-75e-v7.1-net"])
+def test_grounds_supplies_and_the_serial_line(board, tmp_path):
+    """In the table, and in the picture, which has each line of text as a comment beside its letters."""
+    file = board_file(board)
+    table = text(succeed(["board", "pinout", board]).stdout)
+    succeed(["board", "pinout", board, "-o", "wiring.svg"], cwd=tmp_path)
+    picture = " ".join(re.findall(r"<!-- (.*?) -->", (tmp_path / "wiring.svg").read_text(encoding="utf-8")))
+    wiring, pins = file["wiring"], file["pins"]
+    assert f"ground {wiring['ground']}, by a meter" in table and wiring["ground"] in picture
+    assert f"power  {wiring['power']};" in table and wiring["power"] in picture
+    assert ("serial " in table) == ("rx" in pins)
+    for key, place in pinout(board)["places"].items():
+        assert f"ball {pins[key]}, {place}" in table, key
+        if key in ("driver_enable", "stop", "alive", "rx", "tx"):
+            assert place in picture, key
+    if wiring["before_configuration"] == "inputs":
+        assert "off    4.7 kΩ from each driver's input to ground" in table and "4.7 kΩ" in picture and "switch by hand" in picture
+    elif "driver_enable" in pins:
+        assert "off    switch the drivers' supply by J1-J16 pin 14" in table and "P-channel switch" in picture
+    else:
+        assert "off    a hand switches the drivers' supply" in table and "switch by hand" in picture
+    for key in ("load_jumpers", "write_jumpers"):
+        assert key not in file["flash"] or (file["flash"][key] in table and file["flash"][key] in picture)
+
+
+def test_a_board_without_wiring_has_no_circuit(folder):
+    assert pinout("board.toml", cwd=folder)["wiring"] is None
+    assert "ground" not in text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+    succeed(["board", "pinout", "board.toml", "-o", "wiring.svg"], cwd=folder)
+    assert "supplies and grounds" not in (folder / "wiring.svg").read_text(encoding="utf-8")
+
+
+WIRED = GOOD + """[wiring]
+ground = "pin 9"
+power = "5 V"
+serial = "USB"
+before_configuration = "inputs"
+places = { P2 = "J9 pin 1" }
+"""
+BAD_WIRING = {
+    "no ground": ('ground = "pin 9"\n', "", [r"wiring\.ground is missing"]),
+    "unknown key": ("ground =", "grounds =", [r"wiring\.grounds"]),
+    "floating": ('"inputs"', '"floating"', [r"wiring\.before_configuration", "inputs", "driven", "floating"]),
+    "a list of places": ('{ P2 = "J9 pin 1" }', '["J9"]', [r"wiring\.places", "a table of balls"]),
+    "a place that is a number": ('"J9 pin 1"', "1", [r"wiring\.places", "found 1"]),
+}
+
+
+@pytest.mark.parametrize("case", BAD_WIRING)
+def test_bad_wiring(case, folder):
+    there, instead, needles = BAD_WIRING[case]
+    (folder / "board.toml").write_text(WIRED)
+    assert "rx ball P2, J9 pin 1" in text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+    (folder / "board.toml").write_text(WIRED.replace(there, instead, 1))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml:\d+", *needles)
+
+
 def test_the_power_of_an_array(tmp_path):
     """By the formula again: (2 V sin(pi D) / pi)^2 / (2 R) + C V^2 f."""
     told = json.loads(text(succeed(["board", "power", LARGE, "--volts", 18, "--duty", 0.25, "--json"]).stdout))
@@ -224,7 +284,7 @@ def test_an_array_that_is_no_grid_has_no_rows(folder):
     assert [o["ball"] for o in shown["outputs"]] == ["A1", "A2", "A3"]
     assert b"J1,3,B0,A3,2,,,0.00,12.50\n" in succeed(["board", "pinout", "board.toml", "--csv"], cwd=folder).stdout
     table = text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
-    assert table.splitlines()[-1].split() == ["J1", "3", "B0", "A3", "2", "-", "-", "0.00", "12.50"] and "ball A4\n" in table
+    assert table.splitlines()[-1].split() == ["J1", "3", "B0", "A3", "2", "-", "-", "0.00", "12.50"] and "ball A4, J1 pin 4\n" in table
 
 
 def test_a_board_file_names_its_array_from_where_it_is(folder):

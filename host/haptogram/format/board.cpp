@@ -115,8 +115,32 @@ void check_budget(const Section& section) {
 }
 
 Board::Flash read_flash(const Section& section) {
-    section.only({"load", "write", "note"});
-    return {list(section, "load", is_line), list(section, "write", is_line), line(section, "note")};
+    section.only({"load", "write", "note", "load_jumpers", "write_jumpers"});
+    return {list(section, "load", is_line), list(section, "write", is_line), line(section, "note"),
+            section.text("load_jumpers", a_line, is_line), section.text("write_jumpers", a_line, is_line)};
+}
+
+Board::Wiring read_wiring(const Section& section) {
+    section.only({"ground", "power", "serial", "before_configuration", "places"});
+    Board::Wiring wiring;
+    wiring.ground = line(section, "ground");
+    wiring.power = line(section, "power");
+    wiring.serial = line(section, "serial");
+    const std::string before = line(section, "before_configuration");
+    if (before != "inputs" && before != "driven")
+        throw section.wrong(*section.find("before_configuration"), "before_configuration", "\"inputs\" or \"driven\"");
+    wiring.driven = before == "driven";
+    if (const toml::node* node = section.find("places")) {
+        constexpr std::string_view expected = "a table of balls, each with its place in quotes, such as \"J1 pin 36\"";
+        const toml::table* places = node->as_table();
+        if (places == nullptr) throw section.wrong(*node, "places", expected);
+        for (const auto& [ball, place] : *places) {
+            const auto text = place.value<std::string>();
+            if (!text || !is_line(*text)) throw section.wrong(place, "places", expected);
+            wiring.places.emplace(ball.str(), *text);
+        }
+    }
+    return wiring;
 }
 
 Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const interface::CoreParameters& parameters) {
@@ -332,7 +356,7 @@ BoardFile read_file_of(const std::filesystem::path& path) {
     BoardFile file{path, section::parse(path)};
     Section(path.string(), file.tables)
         .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "budget", "flash", "pins",
-               "network", "sdram"});
+               "network", "sdram", "wiring"});
     return file;
 }
 
@@ -405,12 +429,21 @@ Board read_board(const std::filesystem::path& path) {
     if (has_sdram && board.parameters.sdram == 0)
         throw bad_input(root("sdram").at("sdram"), "found an SDRAM, expected none, or parameters.SDRAM = 4 or 8");
     if (board.parameters.sdram != 0) board.sdram = read_sdram(table_of("sdram"), board.parameters.sdram);
+    if (holder("wiring").tables.get("wiring") != nullptr) board.wiring = read_wiring(table_of("wiring"));
     board.outputs = read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels,
                                  board.pins, board.network, board.sdram);
     return board;
 }
 
 }  // namespace
+
+std::string Board::place_of(const std::string& ball) const {
+    if (wiring)
+        if (const auto found = wiring->places.find(ball); found != wiring->places.end()) return found->second;
+    const auto found =
+        std::find_if(outputs.begin(), outputs.end(), [&](const Output& one) { return one.ball == ball; });
+    return found == outputs.end() ? "" : fmt::format("{} pin {}", found->connector, found->pin);
+}
 
 Board load_board(const std::string& name) { return read_board(path_or_shipped(name, "boards", ".toml", "board")); }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,9 +20,10 @@ struct Board {
     };
     /// Arguments of openFPGALoader. The name of the bitstream comes after them.
     struct Flash {
-        std::vector<std::string> load;   ///< until power is cut
-        std::vector<std::string> write;  ///< it stays when power is cut
-        std::string note;                ///< what a person must connect first
+        std::vector<std::string> load;                           ///< until power is cut
+        std::vector<std::string> write;                          ///< it stays when power is cut
+        std::string note;                                        ///< what a person must connect first
+        std::optional<std::string> load_jumpers, write_jumpers;  ///< how the board's jumpers must be for each
     };
     struct Pins {
         std::string clk;
@@ -57,6 +59,15 @@ struct Board {
         std::vector<std::string> bank, address, data;  ///< bit 0 first
         std::vector<std::string> flash;                ///< chip select, to, and from the flash that fills it
     };
+    /// What a person wires beside the outputs.
+    struct Wiring {
+        std::string ground;  ///< pins that are ground
+        std::string power;   ///< what feeds the FPGA board
+        std::string serial;  ///< how the serial line gets to it, of what levels
+        bool driven =
+            false;  ///< its connectors drive the drivers before the FPGA is configured: a resistor does not help
+        std::map<std::string, std::string> places;  ///< of balls that are no outputs
+    };
     struct Output {
         std::string connector, pin, net, ball;
     };
@@ -72,7 +83,11 @@ struct Board {
     Pins pins;
     std::optional<Network> network;  ///< in the place of the serial line
     std::optional<Sdram> sdram;
+    std::optional<Wiring> wiring;
     std::vector<Output> outputs;  ///< output k is channel k; those beyond CHANNELS are spare
+
+    /// Where a wire reaches a ball, such as "J1 pin 36"; empty when the file does not say it.
+    [[nodiscard]] std::string place_of(const std::string& ball) const;
 
     /// What the compiler must know of it.
     [[nodiscard]] Core core() const { return {name, parameters}; }
