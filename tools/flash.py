@@ -50,6 +50,8 @@ def main():
         offset = configurations.load()["flash_image"]["first"]
         commands.append(["openFPGALoader", *board["flash"]["write"], "--offset", str(offset), "--file-type", "raw", image])
     print(f"{board['description']}: {board['flash']['note']}", file=sys.stderr)
+    if jumpers := board["flash"].get("write_jumpers" if options.write else "load_jumpers"):
+        print(f"jumpers: {jumpers}", file=sys.stderr)
     for command in commands:
         print(shlex.join(map(str, command)), flush=True)
         if not options.dry_run and subprocess.run(list(map(str, command))).returncode != 0:

@@ -198,6 +198,12 @@ def test_an_image_for_the_flash_of_a_board_with_an_sdram(tmp_path, board, autost
     assert "--offset 1048576 --file-type raw" in dry.stdout.splitlines()[2]
 
 
+def test_flashing_says_how_the_jumpers_must_be():
+    command = [sys.executable, ROOT / "tools/flash.py", "ice40-hx8k-breakout", "--program", "haptogram", "--dry-run"]
+    load, write = (subprocess.run([*command, *more], capture_output=True, text=True, check=True).stderr for more in ([], ["--write"]))
+    assert load.endswith("jumpers: J6 1-2 and 3-4, J7 off\n") and write.endswith("jumpers: J6 turned, 1-3 and 2-4, J7 on\n")
+
+
 def test_what_does_not_go_into_a_flash(tmp_path):
     board = "colorlight-5a-75e-v6.0-sdram"
     run("compile", "--shape", "circle", "--points", "20", "--board", board, "-o", tmp_path / "image.hex")
