@@ -32,6 +32,10 @@ HEADING = """<!-- SPDX-License-Identifier: Apache-2.0 -->
 
 A row is of its board's last build, maybe of older sources; boards without one were never placed.
 
+- channels, records, timing bits: the core's parameters CHANNELS, RECORDS and TIMING_BITS
+- cells, block RAMs: used of the FPGA's; flip-flops a channel: the pulse generators'
+- lowest MHz: of so many placements (seeds); goal MHz: the clock and a margin; network MHz: lowest, of 125; seconds: the build's
+
 """
 
 
