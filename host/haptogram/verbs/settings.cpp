@@ -302,8 +302,9 @@ std::string_view because(const Project& project) {
 
 template <class Owner>
 const SettingOf<Owner>* find(std::string_view name, Settings<Owner> settings) {
-    const auto found = std::ranges::find_if(
-        settings, [name](const auto& one) { return !name.empty() && (name == one.option || name == one.key); });
+    const auto found = std::find_if(settings.begin(), settings.end(), [name](const auto& one) {
+        return !name.empty() && (name == one.option || name == one.key);
+    });
     return found == settings.end() ? nullptr : &*found;
 }
 
