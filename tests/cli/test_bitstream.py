@@ -201,7 +201,7 @@ def test_an_image_for_the_flash_of_a_board_with_an_sdram(tmp_path, board, autost
 def test_flashing_says_how_the_jumpers_must_be():
     command = [sys.executable, ROOT / "tools/flash.py", "ice40-hx8k-breakout", "--program", "haptogram", "--dry-run"]
     load, write = (subprocess.run([*command, *more], capture_output=True, text=True, check=True).stderr for more in ([], ["--write"]))
-    assert load.endswith("jumpers: J6 1-2 and 3-4, J7 off\n") and write.endswith("jumpers: J6 turned, 1-3 and 2-4, J7 on\n")
+    assert load.endswith("jumpers: J7 off, both of J6 parallel to the board's text\n") and write.endswith("jumpers: J7 on, both of J6 turned by 90 degrees\n")
 
 
 def test_what_does_not_go_into_a_flash(tmp_path):
