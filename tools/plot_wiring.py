@@ -115,9 +115,9 @@ def draw_board(c, pinout):
         c.box(2, 24, 13, 16, "TX\n\n\nRX")
         c.text(3, 32, "USB", va="center")
         c.wire((15, 36), (38, 36))
-        c.text(15.5, 36.3, f"to {places['rx']}")
+        c.text(15.5, 36.3, f"to {places.get('rx', 'ball ' + pins['rx'])}")
         c.wire((15, 28), (38, 28))
-        c.text(15.5, 28.3, f"from {places['tx']}")
+        c.text(15.5, 28.3, f"from {places.get('tx', 'ball ' + pins['tx'])}")
         c.to_ground(8.5, 24)
     said = [f"to {verb}: {pinout['flash'][key]}" for verb, key in (("load", "load_jumpers"), ("write the flash", "write_jumpers")) if key in pinout["flash"]]
     if said:
@@ -158,7 +158,7 @@ def draw_channel(c, pinout):
     c.text(142, 21.5, "element", ha="center", va="center", zorder=4)
     c.text(142.8, 29, "marked leg,\nalike on all")
 
-    c.box(147, 46, 21, 16, "12 V, 1 A,\nits own fuse,\nfor the drivers alone")
+    c.box(147, 46, 21, 16, "12 V, amperes by\nboard power, its own\nfuse, for drivers alone")
     c.wire((147, 56), (138, 56), colour=PLUS)
     c.wire((112, 56), (98, 56), (98, 44), colour=PLUS)
     c.text(144.5, 56.4, "+", color=PLUS, fontsize=11)

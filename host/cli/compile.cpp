@@ -70,9 +70,9 @@ Project project_of(const CompileOptions& options) {
         }
         if (!is_of_one)
             throw bad_argument(std::string(setting->option),
-                               fmt::format("is of {} on the command line, and there is none; a project file says it "
-                                           "for each of its shapes",
-                                           setting->subject));
+                               fmt::format("is of {} on the command line, and there is none; {}", setting->subject,
+                                           in_file ? "a project file says it for each of its shapes"
+                                                   : "add one, or scale files with --size"));
     }
     for (const auto& [setting, value] : options.settings) {
         const bool is_file = std::holds_alternative<File>(setting->kind);

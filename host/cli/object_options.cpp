@@ -23,13 +23,8 @@ std::string object_words() {
 ObjectSource object_of(const ObjectArguments& object) {
     ObjectSource source;
     source.name = object.name;
-    for (const auto& [setting, value] : object.given) {
-        if (!setting->has_effect(source))
-            throw bad_argument(std::string(setting->option),
-                               fmt::format("has no effect, because the object is {}; it is of {}",
-                                           names_mesh(source) ? "a mesh file" : source.name, setting->subject));
-        setting->put(source, *setting, value);
-    }
+    object.given.require_effect(source, "the object is " + (names_mesh(source) ? "a mesh file" : source.name));
+    object.given.put(source);
     return source;
 }
 

@@ -60,8 +60,7 @@ RenderOptions options_of(const RenderCommand& command) {
 /// What no algorithm, hand or object of this kind has is refused.
 void check_options(const RenderCommand& command) {
     require_touch_effect(command.given, std::string(1, name_of(algorithm_of(command.algorithm)).letter), command.touch);
-    require_effect(command.given, {{"--hand-model", {"a .pose file"}}, {"--hand-rate", {"a .pose file"}}},
-                   command.hand.recording.ends_with(".pose") ? "a .pose file" : "no .pose file", "the hand");
+    command.of_hand.require_effect(command.hand, "the hand is no .pose file");
 }
 
 /// What is rendered, and on what.

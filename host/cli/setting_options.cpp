@@ -33,7 +33,8 @@ CLI::Option* add_setting(CLI::App& command, const SettingText& setting, const st
                 take(std::array{three[0], three[1], three[2]});
             },
             help);
-        option->delimiter(',')->expected(3)->check(number(-Length::most_mm, Length::most_mm));
+        const double most = std::holds_alternative<Place>(kind) ? Place::most_mm : Turn::most_deg;
+        option->delimiter(',')->expected(3)->check(number(-most, most));
     } else {
         option = command.add_option_function<std::string>(name, take, help);
         if (const auto* names = std::get_if<Choices>(&kind))

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/base/error.hpp"
 #include "haptogram/verbs/settings.hpp"
 
 namespace haptogram::cli {
@@ -20,6 +21,14 @@ template <class Owner>
 struct Given : std::vector<std::pair<const SettingOf<Owner>*, SettingValue>> {
     void put(Owner& owner) const {
         for (const auto& [setting, value] : *this) setting->put(owner, *setting, value);
+    }
+    /// @param why  the owner cannot have some, in words
+    /// @throws Error{bad_argument} naming the first that has no effect
+    void require_effect(const Owner& owner, const std::string& why) const {
+        for (const auto& [setting, value] : *this)
+            if (!setting->has_effect(owner))
+                throw bad_argument(std::string(setting->option),
+                                   fmt::format("has no effect, because {}; it is of {}", why, setting->subject));
     }
 };
 

@@ -207,9 +207,9 @@ void add_stream(CLI::App& app, Action& action) {
     sub->add_option("--array", options->array, "Array of --path, as for compile")->needs(path);
     sub->add_option("--board", options->board, "Board of --path, as for compile")->needs(path);
     const auto& points = setting_called("--points");
-    add_setting(*sub, points, default_of(points), [options](const SettingValue& value) {
-        options->points = value;
-    })->needs(path);
+    add_setting(*sub, points, default_of(points), [options](const SettingValue& value) { options->points = value; })
+        ->needs(path)
+        ->description("How often an .adaptics pattern of --path is looked at");
     sub->add_option("--loops", options->loops, "Passes over the path; 0: until Ctrl-C")
         ->needs(path)
         ->check(whole(0, 65535))

@@ -256,6 +256,7 @@ BAD_WIRING = {
     "unknown key": ("ground =", "grounds =", [r"wiring\.grounds"]),
     "floating": ('"inputs"', '"floating"', [r"wiring\.before_configuration", "inputs", "driven", "floating"]),
     "a list of places": ('{ P2 = "J9 pin 1" }', '["J9"]', [r"wiring\.places", "a table of balls"]),
+    "the place of an output": ("{ P2 =", "{ A1 =", [r"wiring\.places", "A1", "output"]),
     "a place that is a number": ('"J9 pin 1"', "1", [r"wiring\.places", "found 1"]),
 }
 
@@ -265,6 +266,8 @@ def test_bad_wiring(case, folder):
     there, instead, needles = BAD_WIRING[case]
     (folder / "board.toml").write_text(WIRED)
     assert "rx ball P2, J9 pin 1" in text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+    succeed(["board", "pinout", "board.toml", "-o", "wiring.svg"], cwd=folder)
+    assert "to J9 pin 1" in (folder / "wiring.svg").read_text(encoding="utf-8")
     (folder / "board.toml").write_text(WIRED.replace(there, instead, 1))
     refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml:\d+", *needles)
 

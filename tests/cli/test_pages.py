@@ -44,7 +44,9 @@ def test_every_command_of_the_page_runs(page, program, tmp_path):
     script = ["set -eu", "trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT"]
     for kind, text in blocks:
         if kind != "sh":
-            (tmp_path / kind.split()[1]).write_text(text, encoding="utf-8")
+            file = tmp_path / kind.split()[1]
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(text, encoding="utf-8")
             continue
         for line in text.splitlines():
             script.append(line)

@@ -47,10 +47,14 @@ TEST_CASE("hand project: whatever is set survives the way to a file and back, an
             hand.model = one_in_two() ? "bones.json" : "";
             hand.rate_hz = number(1.0, 500.0);
         }
-        hand.object.name = one_in_two() ? "cone" : "mesh $(x).stl";
-        hand.object.unit = one_in_two() ? "mm" : "cm";
+        if (one_in_two()) {
+            hand.object.name = "cone";
+            if (one_in_two()) hand.object.height_m = number(1e-3, 1.0);
+        } else {
+            hand.object.name = "mesh $(x).stl";
+            hand.object.unit = one_in_two() ? "mm" : "cm";
+        }
         if (one_in_two()) hand.object.size_m = number(1e-3, 1.0);
-        if (one_in_two()) hand.object.height_m = number(1e-3, 1.0);
         hand.object.centre = {number(-1.0, 1.0), number(-1.0, 1.0), number(-1.0, 1.0)};
         hand.object.angles_deg = {number(-180.0, 180.0), 0.0, number(-180.0, 180.0)};
         hand.algorithm = std::string(1, static_cast<char>('A' + random() % 12));
@@ -62,7 +66,11 @@ TEST_CASE("hand project: whatever is set survives the way to a file and back, an
         const Project again = project_from_toml(text, "again");
         CHECK(to_toml(again) == text);
         CHECK(distance(again.hand->object.centre, hand.object.centre) < 1e-15);  // some numbers have no text in mm
-        CHECK(again.hand->object.size_m.has_value() == hand.object.size_m.has_value());
+        REQUIRE(again.hand->object.size_m.has_value() == hand.object.size_m.has_value());
+        REQUIRE(again.hand->object.height_m.has_value() == hand.object.height_m.has_value());
+        CHECK(std::abs(again.hand->object.size_m.value_or(0.0) - hand.object.size_m.value_or(0.0)) < 1e-15);
+        CHECK(std::abs(again.hand->object.height_m.value_or(0.0) - hand.object.height_m.value_or(0.0)) < 1e-15);
+        CHECK(again.hand->object.unit == hand.object.unit);
         CHECK(again.hand->recording == hand.recording);
         CHECK(again.hand->frame == hand.frame);
         CHECK(to_toml(project_from_toml(toml_of(document_of(text, "json")), "json")) == text);

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one table of a project's settings: its rows hold in files, and the published schema says what it says.
+#include <fmt/format.h>
+
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "../test_data.hpp"
@@ -58,10 +64,14 @@ struct SchemaOf {
         return {{"enum", std::vector<std::string>(names.begin(), names.end())}};
     }
     nlohmann::json operator()(Length) const { return (*this)(Numbers{Length::least_mm, Length::most_mm}); }
-    nlohmann::json operator()(Place) const {
-        return {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}, {"items", {{"type", "number"}}}};
+    nlohmann::json operator()(Place) const { return three(Place::most_mm); }
+    nlohmann::json operator()(Turn) const { return three(Turn::most_deg); }
+    static nlohmann::json three(double most) {
+        return {{"type", "array"},
+                {"minItems", 3},
+                {"maxItems", 3},
+                {"items", {{"type", "number"}, {"minimum", -most}, {"maximum", most}}}};
     }
-    nlohmann::json operator()(Turn) const { return (*this)(Place{}); }
     nlohmann::json operator()(Table) const { return {}; }
 };
 
@@ -93,6 +103,8 @@ void check_part(const Project& project, Settings<Owner> table, Part part) {
     for (const SettingOf<Owner>& one : table) {
         CAPTURE(one.key);
         Project changed = project;
+        if constexpr (std::is_same_v<Owner, HandSource>)
+            if (one.subject == "a .pose file") changed.hand->recording = "a.pose";
         if (one.subject == "shape files" || one.key == "file") {
             changed.shapes.front().file = "a.ply";
             changed.shapes.front().primitive = {};
@@ -148,6 +160,49 @@ TEST_CASE("settings: those of the parts of a project come back from a file", "[s
             if (one.has_effect(felt.hand->object))
                 check_part(felt, Settings<ObjectSource>(&one, 1),
                            [](Project& p) -> ObjectSource& { return p.hand->object; });
+    }
+}
+
+TEST_CASE("settings: millimetres of a file are metres inside, and degrees stay", "[settings]") {
+    const auto near = [](double found, double wanted) { return std::abs(found - wanted) < 1e-15; };
+    const Project shapes = project_from_toml(
+        "format = \"haptogram-project-1\"\n[place]\nsize_mm = 40\ncenter_mm = [1, -2, 130]\nrotate_deg = [10, 20, 30]\n"
+        "[[shape]]\nkind = \"cone\"\ndiameter_mm = 30\nheight_mm = 50\nsize_mm = 60\ncenter_mm = [4, 5, 6]\n"
+        "[[shape]]\nkind = \"line\"\nlength_mm = 70\n[[keyframe]]\ntime_s = 0\n"
+        "[[keyframe]]\ntime_s = 1\nmove_mm = [7, 8, -9]\n",
+        "p.toml");
+    CHECK(near(shapes.placement.size_m.value(), 0.04));
+    CHECK(distance(shapes.placement.center.value(), {0.001, -0.002, 0.13}) < 1e-15);
+    CHECK(shapes.placement.rotate_deg == std::array{10.0, 20.0, 30.0});
+    const ShapeSource& cone = shapes.shapes.front();
+    CHECK(near(cone.primitive.diameter.value(), 0.03));
+    CHECK(near(cone.primitive.height.value(), 0.05));
+    CHECK(near(cone.placement.size_m.value(), 0.06));
+    CHECK(distance(cone.placement.center.value(), {0.004, 0.005, 0.006}) < 1e-15);
+    CHECK(near(shapes.shapes.back().primitive.length.value(), 0.07));
+    CHECK(distance(shapes.key_frames.back().move, {0.007, 0.008, -0.009}) < 1e-15);
+    const Project hand = project_from_toml(
+        "format = \"haptogram-project-1\"\n[hand]\nrecording = \"synthetic:press\"\nobject = \"cone\"\nsize_mm = 80\n"
+        "height_mm = 90\ncenter_mm = [1, 2, 200]\nrotate_deg = [0, 45, 0]\n",
+        "p.toml");
+    CHECK(near(hand.hand->object.size_m.value(), 0.08));
+    CHECK(near(hand.hand->object.height_m.value(), 0.09));
+    CHECK(distance(hand.hand->object.centre, {0.001, 0.002, 0.2}) < 1e-15);
+    CHECK(distance(hand.hand->object.angles_deg, {0.0, 45.0, 0.0}) < 1e-15);
+}
+
+TEST_CASE("settings: what has no effect on a hand's object is refused by its line", "[settings]") {
+    for (const auto& [object, line, needle] :
+         {std::tuple("sphere", "height_mm = 5", "height_mm is of a cone, a pyramid and a cylinder, and this is sphere"),
+          std::tuple("sphere", "unit = \"m\"", "unit is of a mesh file"),
+          std::tuple("a.ply", "height_mm = 5", "this is a mesh file"),
+          std::tuple("sphere", "frames_hz = 3", "frames_hz is of a .pose file, and this is synthetic:press"),
+          std::tuple("sphere", "center_mm = [0, 0, 2e6]", "from -1000000 to 1000000")}) {
+        const std::string text = fmt::format(
+            "format = \"haptogram-project-1\"\n[hand]\nrecording = \"synthetic:press\"\nobject = \"{}\"\n{}\n", object,
+            line);
+        CHECK_THROWS_WITH(project_from_toml(text, "p.toml"),
+                          Catch::Matchers::Contains("p.toml:5") && Catch::Matchers::Contains(needle));
     }
 }
 

@@ -432,6 +432,13 @@ Board read_board(const std::filesystem::path& path) {
     if (holder("wiring").tables.get("wiring") != nullptr) board.wiring = read_wiring(table_of("wiring"));
     board.outputs = read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels,
                                  board.pins, board.network, board.sdram);
+    if (board.wiring) {
+        for (const Board::Output& output : board.outputs)
+            if (board.wiring->places.contains(output.ball))
+                throw bad_input(table_of("wiring").at("places"),
+                                fmt::format("wiring.places has ball {}, an output, which has its place under outputs",
+                                            output.ball));
+    }
     return board;
 }
 

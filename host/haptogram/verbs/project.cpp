@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <iterator>
 
 #include "haptogram/base/bundle.hpp"
@@ -58,12 +60,16 @@ struct ReadSetting {
     std::optional<SettingValue> operator()(Length) const {
         return of(section.number(key, Length::least_mm, Length::most_mm));
     }
-    std::optional<SettingValue> three() const {
+    std::optional<SettingValue> three(double most) const {
         const auto list = section.numbers(key, 3);
-        return list ? std::optional<SettingValue>(std::array{(*list)[0], (*list)[1], (*list)[2]}) : std::nullopt;
+        if (!list) return {};
+        for (const double one : *list)
+            if (!(std::abs(one) <= most))
+                throw section.wrong(*section.find(key), key, fmt::format("three numbers from {} to {}", -most, most));
+        return std::array{(*list)[0], (*list)[1], (*list)[2]};
     }
-    std::optional<SettingValue> operator()(Place) const { return three(); }
-    std::optional<SettingValue> operator()(Turn) const { return three(); }
+    std::optional<SettingValue> operator()(Place) const { return three(Place::most_mm); }
+    std::optional<SettingValue> operator()(Turn) const { return three(Turn::most_deg); }
     std::optional<SettingValue> operator()(Table) const { return {}; }
 };
 
@@ -83,6 +89,15 @@ void read_settings(Owner& owner, const Section& section, Settings<Owner> setting
     }
 }
 
+/// @param what  the owner is
+template <class Owner>
+void require_effect(const Owner& owner, const Section& section, Settings<Owner> settings, const std::string& what) {
+    for (const SettingOf<Owner>& one : settings)
+        if (section.find(one.key) != nullptr && !one.has_effect(owner))
+            throw bad_input(section.at(one.key),
+                            fmt::format("{} is of {}, and this is {}", one.key, one.subject, what));
+}
+
 template <class... Owners>
 void require_known(const Section& section, std::vector<std::string_view> known, Settings<Owners>... tables) {
     const auto add = [&known](const auto& table) {
@@ -98,10 +113,7 @@ ShapeSource read_shape(const Section& section, const std::string& where) {
     read_settings(source, section, shape_settings());
     if (source.file.empty() == source.primitive.kind.empty())
         throw bad_input(where, "a [[shape]] has either 'file', a shape file, or 'kind', a built-in shape");
-    for (const SettingOf<ShapeSource>& one : shape_settings())
-        if (section.find(one.key) != nullptr && !one.has_effect(source))
-            throw bad_input(section.at(one.key), fmt::format("{} is of {}, and this is {}", one.key, one.subject,
-                                                             source.file.empty() ? "built in" : "a file"));
+    require_effect(source, section, shape_settings(), source.file.empty() ? "built in" : "a file");
     if (source.file.empty()) try {
             check_primitive(source.primitive);
         } catch (const Error& error) {
@@ -126,6 +138,8 @@ HandSource read_hand(const Section& section) {
     HandSource hand;
     read_settings(hand, section, hand_settings());
     read_settings(hand.object, section, object_settings());
+    require_effect(hand, section, hand_settings(), hand.recording);
+    require_effect(hand.object, section, object_settings(), names_mesh(hand.object) ? "a mesh file" : hand.object.name);
     return hand;
 }
 

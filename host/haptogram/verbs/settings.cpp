@@ -140,6 +140,9 @@ constexpr Scope<Project> for_random = {has_chance, "shapes, and of a hand's algo
 constexpr Scope<ShapeSource> for_files = {[](const ShapeSource& s) { return !s.file.empty(); }, "shape files"};
 constexpr Scope<ShapeSource> for_built_in = {[](const ShapeSource& s) { return s.file.empty(); }, "built-in shapes"};
 
+constexpr Scope<HandSource> for_poses = {[](const HandSource& hand) { return hand.recording.ends_with(".pose"); },
+                                         "a .pose file"};
+
 constexpr Scope<ObjectSource> for_tall = {[](const ObjectSource& object) { return has_height(object.name); },
                                           "a cone, a pyramid and a cylinder"};
 constexpr Scope<ObjectSource> for_meshes = {names_mesh, "a mesh file"};
@@ -286,9 +289,11 @@ constexpr SettingOf<HandSource> of_hands[] = {
                                "A Leap recording (.json, .lz), poses (.pose), or synthetic:press, slide, grasp or "
                                "wave, with :HEIGHT of the palm in mm behind it if it is not 200",
                                "a file of recorded hands, or \"synthetic:SCRIPT\" in quotes"),
-    of<&HandSource::model>("model", "--hand-model", FileOrName{},
-                           "Bones of a .pose file (default: model_hand.json beside it)"),
-    of<&HandSource::rate_hz>("frames_hz", "--hand-rate", Numbers{1e-3, 1e6}, "Frames a second of a .pose file"),
+    with(of<&HandSource::model>("model", "--hand-model", FileOrName{},
+                                "Bones of a .pose file (default: model_hand.json beside it)"),
+         for_poses),
+    with(of<&HandSource::rate_hz>("frames_hz", "--hand-rate", Numbers{1e-3, 1e6}, "Frames a second of a .pose file"),
+         for_poses),
     of<&HandSource::algorithm>("algorithm", {}, Choices(algorithms), "How the hand feels it (see haptogram render)"),
     of<&HandSource::frame>("frame", "--frame", WholeNumbers{1, 1'000'000'000},
                            "Only this frame, from 1: one pass, to be repeated"),

@@ -24,8 +24,12 @@ struct WholeNumbers {
 struct Length {  ///< in mm, and metres inside
     static constexpr double least_mm = 1e-6, most_mm = 1e6;
 };
-struct Place {};  ///< x, y and z, likewise
-struct Turn {};   ///< degrees about x, then y, then z
+struct Place {  ///< x, y and z, likewise
+    static constexpr double most_mm = 1e6;
+};
+struct Turn {  ///< degrees about x, then y, then z
+    static constexpr double most_deg = 1e6;
+};
 struct Form {
     bool (*fits)(std::string_view);
     std::string_view expected;  ///< in words
