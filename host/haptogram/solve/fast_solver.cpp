@@ -178,7 +178,8 @@ HWY_INLINE void multiply_slopes(const FociProblem& q) {
         }
 }
 
-/// The positive definite system normal·step = step by Cholesky's method, upper triangle, in place.
+/// The positive definite system normal·step = step by Cholesky's method, upper triangle, in place. Not Eigen's, as in
+/// solver.cpp: this source is compiled once for each instruction set, and inline functions of Eigen would then differ.
 HWY_INLINE void solve_positive(const FociProblem& q) {
     const std::size_t n = q.foci, stride = q.most_foci;
     float* HWY_RESTRICT b = q.step;
