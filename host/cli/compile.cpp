@@ -72,7 +72,7 @@ Project project_of(const CompileOptions& options) {
             throw bad_argument(std::string(setting->option),
                                fmt::format("is of {} on the command line, and there is none; {}", setting->subject,
                                            in_file ? "a project file says it for each of its shapes"
-                                                   : "add one, or scale files with --size"));
+                                                   : "inputs are files, and --shape adds a built-in one"));
     }
     for (const auto& [setting, value] : options.settings) {
         const bool is_file = std::holds_alternative<File>(setting->kind);

@@ -68,7 +68,7 @@ NUMBERS = {
     "NaN diameter": (["--diameter", "nan"], "diameter", "nan"),
     "two numbers for a centre": (["--center", "0,0"], "--center", "3"),
     "four numbers for a centre": (["--center", "0,0,100,0"], "--center", "3"),
-    "NaN centre": (["--center", "0,0,nan"], "center", "finite"),
+    "NaN centre": (["--center", "0,0,nan"], "center", "number from"),
     "infinite turn": (["--rotate", "0,0,inf"], "rotate", "inf"),
     "unknown unit": (["--unit", "inch"], "--unit", "inch", "mm", "cm"),
 }
