@@ -91,9 +91,9 @@ template <class Range, class Compare = std::less<>, class Projection = std::iden
 auto min_element(Range&& range, Compare compare = {}, Projection projection = {}) {
     return std::min_element(std::begin(range), std::end(range), by(compare, projection));
 }
-template <class Range>
-auto max_element(Range&& range) {
-    return std::max_element(std::begin(range), std::end(range));
+template <class Range, class Compare = std::less<>, class Projection = std::identity>
+auto max_element(Range&& range, Compare compare = {}, Projection projection = {}) {
+    return std::max_element(std::begin(range), std::end(range), by(compare, projection));
 }
 template <class Range, class Value>
 void replace(Range&& range, const Value& before, const Value& after) {
