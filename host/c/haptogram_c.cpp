@@ -33,6 +33,10 @@
 #include "haptogram/verbs/timeline.hpp"
 #include "reference_port.hpp"
 
+#ifdef HAPTOGRAM_HAS_HAND
+#include "haptogram/hand/project.hpp"
+#endif
+
 using haptogram::bad_argument;
 using haptogram::Error;
 using haptogram::ErrorCode;
@@ -51,6 +55,9 @@ struct haptogram_board {
 
 namespace {
 
+#ifdef HAPTOGRAM_HAS_HAND
+[[maybe_unused]] const bool plays_hands = (haptogram::use_hands(), true);
+#endif
 thread_local std::string last_error, last_remedies;
 
 haptogram_code code_of(ErrorCode code) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "command.hpp"
+#include "hands.hpp"
 #include "haptogram/base/error.hpp"
 #ifdef HAPTOGRAM_HAS_LIVE
 #include "live_board.hpp"
@@ -56,6 +57,18 @@ std::unique_ptr<LiveBoard> reference_rig(const std::string& configuration, const
     return reference_board(configuration);
 }
 #endif
+#endif
+
+#ifndef HAPTOGRAM_HAS_HAND
+constexpr auto with_hand = "hand in HAPTOGRAM_EXTENSIONS";
+void add_render(CLI::App& app, Action& action) { add_absent(app, action, "render", "hands", with_hand); }
+void add_movement(CLI::App& app, Action& action) { add_absent(app, action, "movement", "hands", with_hand); }
+void add_interact(CLI::App& app, Action& action) { add_absent(app, action, "interact", "hands", with_hand); }
+void add_align(CLI::App& app, Action& action) { add_absent(app, action, "align", "hands", with_hand); }
+void use_hands_of_this_build() {}
+std::function<HandSkin(Vec3)> skin_of_hand(const std::string&, const std::string&, std::size_t) {
+    throw bad_argument("hand", fmt::format("this build has no hands; build with {}", with_hand));
+}
 #endif
 
 #ifndef HAPTOGRAM_HAS_SCATTERING

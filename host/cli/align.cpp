@@ -13,8 +13,8 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/mounting.hpp"
+#include "haptogram/hand/open.hpp"
 #include "haptogram/verbs/analyze.hpp"
-#include "haptogram/verbs/hand_source.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {

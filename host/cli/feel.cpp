@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "hands.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/perception/difference.hpp"
 #include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/level.hpp"
-#include "haptogram/verbs/render.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "source_options.hpp"
@@ -177,7 +177,7 @@ int feel(const FeelCommand& command) {
     for (const std::string& text : command.at) options.at.push_back(parse_point_mm("at", text));
     for (const std::string& text : command.ears) options.ears.push_back(parse_point_mm("ear", text));
     options.normal = parse_point_mm("normal", command.normal);
-    if (!command.hand.empty()) options.skin = skin_of(open_hands(command.hand, command.hand_model), command.hand_frame);
+    if (!command.hand.empty()) options.skin = skin_of_hand(command.hand, command.hand_model, command.hand_frame);
     options.most_places = command.places;
     options.contact_m = command.contact_mm * millimetre;
     options.region = perception::region_of(command.region);

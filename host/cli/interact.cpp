@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/interact.hpp"
+#include "haptogram/hand/interact.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/render.hpp"
+#include "haptogram/hand/render.hpp"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,10 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/project.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/hand_project.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "object_options.hpp"

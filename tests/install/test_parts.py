@@ -72,7 +72,7 @@ def test_studio_that_is_left_out_says_so(without_both, work):
     assert "HAPTOGRAM_STUDIO=ON" in says(without_both, work, "studio", "--no-browser", expect=USAGE)
 
 
-@pytest.mark.parametrize("command, extension", [("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
+@pytest.mark.parametrize("command, extension", [("render", "hand"), ("align", "hand"), ("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
 def test_an_extension_that_is_left_out_says_so(without_both, work, command, extension):
     assert f"{extension} in HAPTOGRAM_EXTENSIONS" in says(without_both, work, command, expect=USAGE)
 

@@ -8,14 +8,17 @@
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/project.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/document.hpp"
-#include "haptogram/verbs/hand_project.hpp"
 
 using namespace haptogram;
 using Catch::Contains;
 
 namespace {
+
+[[maybe_unused]] const bool plays_hands = (use_hands(), true);
 
 const std::string head = "format = \"haptogram-project-1\"\n";
 

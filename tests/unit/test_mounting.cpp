@@ -10,6 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/mounting.hpp"
+#include "haptogram/verbs/hand_source.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

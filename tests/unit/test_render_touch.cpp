@@ -8,11 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/leap.hpp"
+#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/render.hpp"
 #include "haptogram/hand/synthetic.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/verbs/render.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

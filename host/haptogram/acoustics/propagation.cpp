@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 
@@ -72,6 +73,24 @@ std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus) {
     for (const Element& element : array.elements)
         drives.push_back(element.aligning() * std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
     return drives;
+}
+
+double focal_width(const Array& array, Vec3 focus) {
+    const auto drives = ideal_drives(array, focus);
+    const double half = 0.5 * std::norm(pressure(array, drives, focus));
+    const auto reaches = [&](double side) {
+        const auto above = [&](double away) {
+            return std::norm(pressure(array, drives, focus + Vec3{side * away, 0.0, 0.0})) > half;
+        };
+        double inside = 0.0, outside = 1e-3;
+        while (above(outside)) inside = std::exchange(outside, outside + 1e-3);
+        for (int i = 0; i < 12; ++i) {
+            const double middle = 0.5 * (inside + outside);
+            (above(middle) ? inside : outside) = middle;
+        }
+        return 0.5 * (inside + outside);
+    };
+    return reaches(1.0) + reaches(-1.0);
 }
 
 std::complex<double> pressure(const Array& array, std::span<const std::complex<double>> drives, Vec3 point) {

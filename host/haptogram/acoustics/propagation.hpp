@@ -44,6 +44,9 @@ namespace haptogram {
 /// the phase of its response; 0 of a dead one.
 [[nodiscard]] std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus);
 
+/// Full width at half maximum of the radiation pressure through a focus of exact phases, along x, metres.
+[[nodiscard]] double focal_width(const Array& array, Vec3 focus);
+
 /// Complex pressure at a point, Pa: the sum over the elements of drive · propagation, in double precision.
 /// @param drives  one an element, Pa·m
 [[nodiscard]] std::complex<double> pressure(const Array& array, std::span<const std::complex<double>> drives,

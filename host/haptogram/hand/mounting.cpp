@@ -111,12 +111,6 @@ std::string mounting_to_toml(const Pose& pose, const std::vector<std::string>& a
     return text + row("position_mm", (1.0 / millimetre) * pose.origin) + row("right", pose.x) + row("forward", pose.z);
 }
 
-std::pair<std::string, std::string> without_mounting(const std::string& name) {
-    const std::size_t at = name.rfind('@');
-    if (at == std::string::npos || !name.ends_with(".toml")) return {name, ""};
-    return {name.substr(0, at), name.substr(at + 1)};
-}
-
 HandFrame mounted(HandFrame frame, const Pose& pose) {
     for (Hand& hand : frame.hands) {
         hand.palm = pose.outwards(hand.palm);

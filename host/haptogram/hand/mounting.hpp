@@ -21,10 +21,6 @@ namespace haptogram {
 /// @param about  sentences for its first lines
 [[nodiscard]] std::string mounting_to_toml(const Pose& pose, const std::vector<std::string>& about);
 
-/// The name of a source of hands without the mounting file that may stand behind it, hands.json@desk.toml, and that
-/// file's; empty when there is none.
-[[nodiscard]] std::pair<std::string, std::string> without_mounting(const std::string& name);
-
 /// A frame of a tracker that is mounted so, in the array's frame.
 [[nodiscard]] HandFrame mounted(HandFrame frame, const Pose& pose);
 

@@ -13,11 +13,10 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
 #include "haptogram/hand/mesh_solid.hpp"
+#include "haptogram/verbs/hand_source.hpp"
 
 namespace haptogram {
 namespace {
-
-constexpr std::array<std::string_view, 6> kinds{"cube", "sphere", "cone", "pyramid", "cylinder", "half-space"};
 
 Edge circle(double radius, double z) {
     constexpr int corners = 360;
@@ -78,11 +77,8 @@ TouchObject standing(std::string_view kind, double size, double height) {
 
 }  // namespace
 
-std::span<const std::string_view> object_kinds() { return kinds; }
-
-bool has_height(std::string_view kind) { return kind == "cone" || kind == "pyramid" || kind == "cylinder"; }
-
 TouchObject built_in_object(std::string_view kind, const ObjectMeasures& measures) {
+    const auto kinds = object_kinds();
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
         throw bad_argument("object",
                            fmt::format("found \"{}\", expected {} or a mesh file", kind, fmt::join(kinds, ", ")));

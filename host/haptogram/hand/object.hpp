@@ -31,11 +31,6 @@ struct ObjectMeasures {
     Vec3 angles_deg;             ///< turned about its centre: about x, then y, then z
 };
 
-/// Kinds of built-in objects: cube, sphere, cone, pyramid, cylinder, half-space.
-[[nodiscard]] std::span<const std::string_view> object_kinds();
-/// Whether a kind has a height beside its size.
-[[nodiscard]] bool has_height(std::string_view kind);
-
 /// A built-in object. It has as features: a cube 12 edges and 8 corners, a square pyramid 8 and 5, a cone its base
 /// circle and its tip, a cylinder two circles, a sphere and a half-space none. Circles are polygons of 360 corners.
 /// @throws Error{bad_argument} for another kind, naming those that there are, and for measures that are not positive

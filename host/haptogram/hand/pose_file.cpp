@@ -12,6 +12,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/json_member.hpp"
 #include "haptogram/hand/leap.hpp"
+#include "haptogram/verbs/hand_source.hpp"
 
 namespace haptogram {
 namespace {
@@ -173,10 +174,6 @@ HandRecording recording_from_poses(std::string_view text, const std::string& whe
             (after.hands.front().palm - before.hands.front().palm) * (1.0 / (after.time_s - before.time_s));
     }
     return recording;
-}
-
-std::filesystem::path bones_file(const std::filesystem::path& file, const std::filesystem::path& model) {
-    return model.empty() ? file.parent_path() / "model_hand.json" : model;
 }
 
 HandRecording load_hands(const std::filesystem::path& file, const std::filesystem::path& model, double rate_hz,

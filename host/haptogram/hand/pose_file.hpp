@@ -37,9 +37,6 @@ struct HandBones {
 [[nodiscard]] HandRecording recording_from_poses(std::string_view text, const std::string& where,
                                                  const HandBones& bones, double rate_hz);
 
-/// The file with a .pose file's bones: the model, or, when it is empty, model_hand.json beside it.
-[[nodiscard]] std::filesystem::path bones_file(const std::filesystem::path& file, const std::filesystem::path& model);
-
 /// How the content of a file is got: from the disk, unless somebody has it in memory.
 using FileReader = std::function<std::string(const std::filesystem::path&)>;
 

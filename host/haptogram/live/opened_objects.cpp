@@ -7,6 +7,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/open.hpp"
 
 namespace haptogram::live {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "haptogram/hand/object.hpp"
+#include "haptogram/hand/open.hpp"
 #include "haptogram/live/frame.hpp"
-#include "haptogram/verbs/hand_source.hpp"
 
 namespace haptogram::live {
 

@@ -10,6 +10,7 @@
 
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/ring.hpp"
+#include "haptogram/hand/ring_on_finger.hpp"
 #include "haptogram/hand/section.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/live/cloud.hpp"
@@ -17,7 +18,6 @@
 #include "haptogram/live/prediction.hpp"
 #include "haptogram/live/touch_scene.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
-#include "haptogram/verbs/ring_on_finger.hpp"
 
 namespace haptogram::live {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "haptogram/format/path.hpp"
+#include "haptogram/hand/ring_on_finger.hpp"
 #include "haptogram/perception/tables.hpp"
-#include "haptogram/verbs/ring_on_finger.hpp"
 
 namespace haptogram::live {
 
@@ -24,7 +24,7 @@ struct Sensed {
     double over_db = 0.0;  ///< the strongest vibration over the least that is felt
 };
 
-/// A finger's skin under what is played: radiation pressure on it (verbs/ring_on_finger.hpp), its vibration at each
+/// A finger's skin under what is played: radiation pressure on it (hand/ring_on_finger.hpp), its vibration at each
 /// place beside the threshold, and noise. A path that does not vibrate anywhere on the skin is not felt.
 class SkinSense {
 public:

@@ -11,12 +11,13 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/mounting.hpp"
+#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/render.hpp"
 #include "haptogram/live/combined_source.hpp"
 #include "haptogram/live/depth_folder.hpp"
 #include "haptogram/live/depth_frames.hpp"
 #include "haptogram/live/depth_pipe.hpp"
 #include "haptogram/live/hand_source.hpp"
-#include "haptogram/verbs/render.hpp"
 
 namespace haptogram::live {
 namespace {

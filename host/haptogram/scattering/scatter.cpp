@@ -13,13 +13,13 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/ring.hpp"
+#include "haptogram/hand/ring_on_finger.hpp"
 #include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatterer.hpp"
 #include "haptogram/scattering/skin.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/verbs/ring_on_finger.hpp"
 
 namespace haptogram::scattering {
 namespace {

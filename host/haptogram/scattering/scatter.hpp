@@ -37,7 +37,7 @@ struct ScatterSource {
     std::optional<Vec3>
         ring{};             ///< or ten foci in turn around the built-in finger, where a surface through here cuts it
     Vec3 inward{0, 0, -1};  ///< of the ring: into the object whose surface that is
-    bool weighed = false;   ///< of the ring: with the amplitudes that `live` gives it (verbs/ring_on_finger.hpp)
+    bool weighed = false;   ///< of the ring: with the amplitudes that `live` gives it (hand/ring_on_finger.hpp)
     std::string array = "tile-10x10";
     std::string rig;              ///< instead of the array
     bool foci_inside = false;     ///< foci inside of the body are meant, and no mistake

@@ -21,10 +21,11 @@
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/focus_image.hpp"
-#include "haptogram/verbs/hand_project.hpp"
 
 namespace haptogram {
 namespace {
+
+HandRenderer hand_renderer = nullptr;
 
 constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
 constexpr std::size_t most_record_samples = 4096;  // of a modulation that becomes records
@@ -287,7 +288,9 @@ Path path_of_hand(const Project& project, const ProjectInstrument& instrument, d
         throw bad_argument("hand",
                            "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
                            "center, clip, even and fade");
-    Rendered rendered = render(project, instrument);
+    if (hand_renderer == nullptr)
+        throw bad_argument("hand", "this build plays no hands; build with hand in HAPTOGRAM_EXTENSIONS");
+    RenderedPath rendered = hand_renderer(project, instrument);
     const std::string text = to_json_text(rendered.path, rendered.carrier_hz);
     hash += sha256(text);
     warnings = std::move(rendered.warnings);
@@ -605,6 +608,14 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
 }
 
 }  // namespace
+
+void set_hand_renderer(HandRenderer renderer) { hand_renderer = renderer; }
+
+void require_one_strength(const std::optional<double>& magnitude, double amplitude) {
+    if (magnitude && amplitude != 1.0)
+        throw bad_argument("amplitude", "a magnitude says how strong foci are; leave one of them out",
+                           {"amplitude", "magnitude"});
+}
 
 double Compiled::shortest_dwell_s() const {
     // A long dwell is several entries of one record in a row; silence is no focus.

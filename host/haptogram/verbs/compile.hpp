@@ -17,6 +17,8 @@
 
 namespace haptogram {
 
+struct ProjectInstrument;
+
 /// How a drawing came out, in whole carrier periods.
 struct DrawnPace {
     double length_m = 0.0;   ///< of what is drawn
@@ -47,6 +49,22 @@ struct Compiled {
     /// The least time that any focus lasts, s.
     [[nodiscard]] double shortest_dwell_s() const;
 };
+
+/// A path that lets a hand feel an object.
+struct RenderedPath {
+    Path path;
+    double carrier_hz = 0.0;                             ///< in whose periods the path counts
+    std::optional<perception::PathMagnitude> magnitude;  ///< the commands, when a magnitude was asked for
+    std::vector<std::string> warnings;                   ///< whole sentences
+};
+
+/// How compile() gets the path of a project with a hand. The extension *hand* gives it (hand/project.hpp); without one,
+/// such projects are refused.
+using HandRenderer = RenderedPath (*)(const Project& project, const ProjectInstrument& instrument);
+void set_hand_renderer(HandRenderer renderer);
+
+/// @throws Error{bad_argument} when both say how strong foci are
+void require_one_strength(const std::optional<double>& magnitude, double amplitude);
 
 /// What a 1 in a file of shapes means. @param unit  "mm", "cm" or "m"
 /// @throws Error{bad_argument} naming "unit" for any other

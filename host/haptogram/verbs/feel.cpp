@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/picture.hpp"
 #include "haptogram/perception/difference.hpp"
 #include "haptogram/perception/skin_wave.hpp"
-#include "haptogram/verbs/render.hpp"
 
 namespace haptogram {
 namespace {
@@ -63,16 +63,12 @@ FeltPlace place_at(Vec3 position, const FeelOptions& options) {
     FeltPlace felt;
     felt.place = {position, options.normal};
     felt.region = options.region;
-    double nearest = INFINITY;
-    for (const SkinRegion& region : options.skin) {
-        const SkinPoint point = region.nearest(position);
-        const double away = distance(point.position, position);
-        if (away >= nearest) continue;
-        nearest = felt.off_skin_m = away;
-        felt.place = {point.position, point.normal};
-        felt.part = region.name;
-        felt.region = region.name == "palm" ? perception::Region::palm : perception::Region::finger;
-    }
+    if (!options.skin) return felt;
+    const HandSkin skin = options.skin(position);
+    felt.off_skin_m = distance(skin.position, position);
+    felt.place = {skin.position, skin.normal};
+    felt.part = skin.part;
+    felt.region = skin.part == "palm" ? perception::Region::palm : perception::Region::finger;
     return felt;
 }
 

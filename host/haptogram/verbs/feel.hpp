@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,7 +8,6 @@
 #include "haptogram/acoustics/drive_sequence.hpp"
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/path.hpp"
-#include "haptogram/hand/surface.hpp"
 #include "haptogram/perception/felt.hpp"
 #include "haptogram/perception/skin_force.hpp"
 #include "haptogram/perception/sound.hpp"
@@ -15,12 +15,19 @@
 
 namespace haptogram {
 
+/// A place of a hand's skin.
+struct HandSkin {
+    Vec3 position, normal;
+    std::string part;  ///< palm, thumb, index, …
+};
+
 struct FeelOptions {
-    std::vector<Vec3> at;          ///< places on the skin; empty: at the foci
-    Vec3 normal{0.0, 0.0, -1.0};   ///< of the skin, at all places
-    std::vector<SkinRegion> skin;  ///< of a hand: each place moves to the nearest one on it, and has its normal and its
-                                   ///< region, instead of those given here
-    std::size_t most_places = 8;   ///< of the foci, evenly chosen
+    std::vector<Vec3> at;         ///< places on the skin; empty: at the foci
+    Vec3 normal{0.0, 0.0, -1.0};  ///< of the skin, at all places
+    /// The skin of a hand nearest to a place: each place moves there, and has its normal and its region, instead of
+    /// those given here.
+    std::function<HandSkin(Vec3)> skin;
+    std::size_t most_places = 8;                       ///< of the foci, evenly chosen
     double contact_m = perception::default_contact_m;  ///< diameter of the skin that a force is of
     std::vector<Vec3> ears;                            ///< of listeners
     perception::Region region = perception::Region::palm;

@@ -1,18 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rendering is of, as a user names it: a recording of hands, and the object that they feel.
+// What a rendering is of, as a user names it: a recording of hands, and the object that they feel. What becomes of it
+// is the extension *hand*'s (hand/open.hpp, hand/project.hpp).
 #pragma once
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "haptogram/hand/object.hpp"
-#include "haptogram/hand/pose_file.hpp"
-#include "haptogram/shape/shape.hpp"
+#include "haptogram/array/vec3.hpp"
 
 namespace haptogram {
+
+struct HandRecording;
+struct TouchObject;
+
+/// The built-in objects: sphere, cube, …
+[[nodiscard]] std::span<const std::string_view> object_kinds();
+/// Whether it has a height besides its size.
+[[nodiscard]] bool has_height(std::string_view kind);
 
 /// An object as a user names it.
 struct ObjectSource {
@@ -27,25 +36,14 @@ struct ObjectSource {
 [[nodiscard]] bool is_built_in(const ObjectSource& source);
 /// Whether it is the name of a file. A name that is neither is for open_object() to refuse.
 [[nodiscard]] bool names_mesh(const ObjectSource& source);
-/// @param read  gets a mesh file's content; by default read_file()
-/// @throws Error{bad_input} for files that cannot be used or have no volume, Error{bad_argument} for measures
-[[nodiscard]] TouchObject open_object(const ObjectSource& source, const FileReader& read = {});
-
-/// The surface of an object for a view: the file's mesh at its place, or, of a built-in one, where its distance is 0 on
-/// a grid of 48 cells along its longest side, so that edges are drawn a little blunt. A half-space is drawn in its box.
-/// @throws as open_object()
-[[nodiscard]] Mesh surface_of(const ObjectSource& source, const FileReader& read = {});
 
 /// How the name of a script of hand/synthetic.hpp begins, in place of a file's.
 inline constexpr std::string_view synthetic_prefix = "synthetic:";
 
-/// A recording as a user names it: a file as load_hands() reads it, or "synthetic:SCRIPT" or "synthetic:SCRIPT:HEIGHT"
-/// with the height of the palm in mm, which is one round of the script at 100 frames a second. Behind a file's name may
-/// stand that of the tracker's mounting (hand/mounting.hpp), hands.json@desk.toml.
-/// @param read  gets a file's content; by default read_file()
-/// @throws Error{bad_input} or Error{bad_argument}
-[[nodiscard]] HandRecording open_hands(const std::string& name, const std::string& model = {}, double rate_hz = 60.0,
-                                       const FileReader& read = {});
+/// A recording's name without that of the tracker's mounting behind it, and the latter, hands.json@desk.toml.
+[[nodiscard]] std::pair<std::string, std::string> without_mounting(const std::string& name);
+/// The file of the bones of a .pose file: the model, or model_hand.json beside it.
+[[nodiscard]] std::filesystem::path bones_file(const std::filesystem::path& file, const std::filesystem::path& model);
 
 /// A hand that feels an object by an algorithm, as a project names them. How fast, how many points, how it is modulated
 /// and the seed are the project's.

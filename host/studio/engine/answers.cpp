@@ -14,6 +14,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/hand/project.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/hand/synthetic.hpp"
 #include "haptogram/hand/touch.hpp"
@@ -23,7 +24,6 @@
 #include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/findings.hpp"
-#include "haptogram/verbs/hand_project.hpp"
 #include "haptogram/verbs/report_page.hpp"
 #include "haptogram/verbs/slice.hpp"
 

@@ -10,9 +10,9 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/hand/project.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/shape/shape.hpp"
-#include "haptogram/verbs/hand_project.hpp"
 #include "haptogram/verbs/slice.hpp"
 
 namespace haptogram::studio {

@@ -13,6 +13,7 @@
 #include "haptogram/base/bundle.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/open.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"
@@ -22,6 +23,8 @@ namespace haptogram::studio {
 namespace {
 
 using nlohmann::ordered_json;
+
+[[maybe_unused]] const bool plays_hands = (use_hands(), true);
 
 ordered_json millimetres(Vec3 point) { return {point.x / millimetre, point.y / millimetre, point.z / millimetre}; }
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "haptogram/base/process.hpp"
+#include "haptogram/hand/project.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/findings.hpp"
-#include "haptogram/verbs/hand_project.hpp"
 #include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram::studio {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/render.hpp"
+#include "haptogram/hand/render.hpp"
 
 #include <fmt/format.h>
 
@@ -166,12 +166,6 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
 
 }  // namespace
 
-void require_one_strength(const std::optional<double>& magnitude, double amplitude) {
-    if (magnitude && amplitude != 1.0)
-        throw bad_argument("amplitude", "a magnitude says how strong foci are; leave one of them out",
-                           {"amplitude", "magnitude"});
-}
-
 std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame, const SkinOptions& options) {
     if (frame == 0 || frame > hands.frames.size())
         throw bad_argument("hand-frame",
@@ -205,24 +199,6 @@ ordered_json to_json(const FrameReport& f) {
                          {"compute_ms", f.compute_s * 1e3}};
     if (!f.why.empty()) json["why"] = f.why;
     return json;
-}
-
-double focal_width(const Array& array, Vec3 focus) {
-    const auto drives = ideal_drives(array, focus);
-    const double half = 0.5 * std::norm(pressure(array, drives, focus));
-    const auto reaches = [&](double side) {
-        const auto above = [&](double away) {
-            return std::norm(pressure(array, drives, focus + Vec3{side * away, 0.0, 0.0})) > half;
-        };
-        double inside = 0.0, outside = 1e-3;
-        while (above(outside)) inside = std::exchange(outside, outside + 1e-3);
-        for (int i = 0; i < 12; ++i) {
-            const double middle = 0.5 * (inside + outside);
-            (above(middle) ? inside : outside) = middle;
-        }
-        return 0.5 * (inside + outside);
-    };
-    return reaches(1.0) + reaches(-1.0);
 }
 
 Rendered render(const TouchObject& object, const HandRecording& hands, const Array& array, double carrier_hz,

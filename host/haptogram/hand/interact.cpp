@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/interact.hpp"
+#include "haptogram/hand/interact.hpp"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,11 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/timer.hpp"
+#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/render.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/shape/reach.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/render.hpp"
 
 namespace haptogram {
 

@@ -15,8 +15,7 @@
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/hand/touch.hpp"
-#include "haptogram/perception/path_magnitude.hpp"
-#include "haptogram/verbs/hand_source.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 namespace haptogram {
 
@@ -44,9 +43,6 @@ struct RenderOptions {
                                      ///< III, for a hand that holds 1 N)
 };
 
-/// @throws Error{bad_argument} when both say how strong foci are
-void require_one_strength(const std::optional<double>& magnitude, double amplitude);
-
 /// What became of one frame.
 struct FrameReport {
     std::size_t frame = 0;  ///< its number in the recording, from 1
@@ -72,13 +68,9 @@ struct FrameReport {
 /// A frame's report, millimetres, pascals and shares from 0 to 1, as `haptogram render --report --json` prints it.
 [[nodiscard]] nlohmann::ordered_json to_json(const FrameReport& report);
 
-struct Rendered {
-    Path path;
+struct Rendered : RenderedPath {
     std::optional<Touch> touch;  ///< of one frame: what is drawn
     std::vector<FrameReport> frames;
-    double carrier_hz = 0.0;
-    std::optional<perception::PathMagnitude> magnitude;  ///< the commands, when a magnitude was asked for
-    std::vector<std::string> warnings;                   ///< whole sentences
 };
 
 /// A path that lets hands feel an object. A recording's frame lasts until the next one; the foci go on where they are
@@ -93,9 +85,6 @@ struct Rendered {
 /// Whether a part of a line is estimated to press on the skin with less than the least force, by the frame's strength,
 /// the skin's tilt there, and the focus' width.
 [[nodiscard]] bool is_weak(const Leg& leg, const FrameReport& report, double least_force_n);
-
-/// Full width at half maximum of the radiation pressure through a focus of exact phases, along x, metres.
-[[nodiscard]] double focal_width(const Array& array, Vec3 focus);
 
 /// Draws up to six frames, evenly chosen of those that touch the object: hand, object, lines, and the radiation
 /// pressure on the skin, averaged over a pass and with the skin's tilt.

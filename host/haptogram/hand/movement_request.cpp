@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/movement.hpp"
+#include "haptogram/hand/movement_request.hpp"
 
 #include <set>
 #include <tuple>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/ring_on_finger.hpp"
+#include "haptogram/hand/ring_on_finger.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/hand/project.hpp"
 
 #include <fmt/format.h>
 
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/timer.hpp"
+#include "haptogram/hand/open.hpp"
 
 namespace haptogram {
 namespace {
@@ -36,6 +37,12 @@ void add_lines(HandView& view, const Rendered& rendered, double least_force_n) {
 }
 
 }  // namespace
+
+void use_hands() {
+    set_hand_renderer([](const Project& project, const ProjectInstrument& instrument) -> RenderedPath {
+        return render(project, instrument);
+    });
+}
 
 std::vector<std::array<Vec3, 3>> drawn_skin(const std::vector<SkinRegion>& regions) {
     std::vector<std::array<Vec3, 3>> triangles;

@@ -6,11 +6,15 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/render.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/project.hpp"
-#include "haptogram/verbs/render.hpp"
 
 namespace haptogram {
+
+/// From now on compile() takes projects with a hand, by render().
+void use_hands();
 
 /// What a project's settings are for render(). A frame's pass has the project's points; a whole recording has the
 /// algorithm's usual dwell.
