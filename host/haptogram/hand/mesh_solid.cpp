@@ -26,10 +26,10 @@ struct Bounds {
 };
 
 /// Bounds in half the memory, which is what a search waits for. They are rounded outwards, so nothing is missed.
-struct Box {
+struct FloatBox {
     std::array<float, 3> low{}, high{};
-    Box() = default;
-    explicit Box(const Bounds& b)
+    FloatBox() = default;
+    explicit FloatBox(const Bounds& b)
         : low{down(b.low.x), down(b.low.y), down(b.low.z)},
           high{-down(-b.high.x), -down(-b.high.y), -down(-b.high.z)} {}
     [[nodiscard]] double square_distance(Vec3 p) const {
@@ -131,7 +131,7 @@ public:
 private:
     static constexpr std::size_t leaf = 8;
     struct Node {
-        Box box;
+        FloatBox box;
         std::uint32_t first = 0, count = 0, second = 0;
     };
 
@@ -144,7 +144,7 @@ private:
             for (const Vec3 p : {t.a, t.b, t.c}) all.add(p);
             centres.add(t.a + t.b + t.c);
         }
-        nodes_[at].box = Box(all);
+        nodes_[at].box = FloatBox(all);
         if (end - begin <= leaf) {
             nodes_[at].first = static_cast<std::uint32_t>(begin);
             nodes_[at].count = static_cast<std::uint32_t>(end - begin);
