@@ -97,6 +97,7 @@ sanitize: ## the program, and the C examples, under address and undefined-behavi
 
 soak: build ## torture of the link, boards on one wire, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --durations yes
+	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_cosim '[storm]' --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_carrier_edges --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_net_core 'stream*' --durations yes
 	@HAPTOGRAM_SOAK=1 HAPTOGRAM_MODEL=rtl $(BUILD)/tests/test_tiles --durations yes

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """HAPTOGRAM_QUICK compiles many sources as one. Which come together follows from their number, so no two sources of a target may use
-one name for two things: all of them are read as one here. Usage: one_unit.py BUILD TARGET…"""
+one name for two things: all of them are read as one here, again when one of the files has changed that were read. Usage: one_unit.py BUILD TARGET…"""
 import collections
+import hashlib
 import json
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 # SKIP_UNITY_BUILD_INCLUSION: the kernel's own termios, and Highway's loops
@@ -38,13 +41,41 @@ def entries_of(build, target):
     return [entry for entry in found if options_of(entry) == usual]
 
 
+def key_of(entries, read):
+    """What the verdict follows from: compiler, options, sources, and every file that was read. None when one of those is gone."""
+    options = options_of(entries[0])
+    digest = hashlib.sha256(json.dumps([options, [entry["file"] for entry in entries], read]).encode())
+    for file in [shutil.which(options[0]), __file__, *read]:
+        if not Path(file).is_file():
+            return None
+        digest.update(hashlib.sha256(Path(file).read_bytes()).digest())
+    return digest.hexdigest()
+
+
 def errors_in(build, target):
     entries = entries_of(build, target)
-    with tempfile.NamedTemporaryFile("w", suffix=".cpp", encoding="utf-8") as unit:
-        unit.writelines(f'#include "{entry["file"]}"\n' for entry in entries)
-        unit.flush()
-        done = subprocess.run([*options_of(entries[0]), "-w", "-fsyntax-only", unit.name], cwd=entries[0]["directory"], capture_output=True, text=True)
-    return [line for line in done.stderr.splitlines() if "error:" in line] if done.returncode else []
+    good = build / "one_unit" / f"{target}.json"  # of the last run without errors
+    if good.is_file():
+        was = json.loads(good.read_text(encoding="utf-8"))
+        if was["key"] == key_of(entries, was["read"]):
+            return []
+    began = time.time()
+    with tempfile.TemporaryDirectory() as folder:
+        unit, rule = Path(folder, "unit.cpp"), Path(folder, "unit.d")
+        unit.write_text("".join(f'#include "{entry["file"]}"\n' for entry in entries), encoding="utf-8")
+        directory = Path(entries[0]["directory"])
+        done = subprocess.run([*options_of(entries[0]), "-w", "-fsyntax-only", "-MD", "-MF", rule, unit], cwd=directory, capture_output=True, text=True)
+        if done.returncode:
+            return [line for line in done.stderr.splitlines() if "error:" in line] or done.stderr.splitlines()
+        words = rule.read_text(encoding="utf-8").replace("\\\n", " ").split()[1:]
+    read = sorted({str(directory / word) for word in words if word != str(unit)})
+    assert len(read) > len(entries), f"{target}: the compiler named {len(read)} files that it read, expected more than its {len(entries)} sources"
+    if all(Path(file).stat().st_mtime < began for file in read):  # else the compiler may have read what was there before
+        good.parent.mkdir(exist_ok=True)
+        whole = good.with_suffix(".new")
+        whole.write_text(json.dumps({"key": key_of(entries, read), "read": read}), encoding="utf-8")
+        whole.replace(good)
+    return []
 
 
 def main():

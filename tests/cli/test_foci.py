@@ -181,7 +181,7 @@ def test_measured_pulses_make_the_mean_of_the_modulations_squares(am, mean, tmp_
     """The silent periods count as the others do: ∫(½ + ½·sin)² is 3/8, and a square's is its duty."""
 
     def measured(*args):
-        compile_foci(tmp_path, "small-16-wide", "--shape", "point", "--loops", 1, *args)
+        compile_foci(tmp_path, "small-16-wide", "--shape", "point", "--rate", 200, "--loops", 1, *args)
         assert simulate(tmp_path, "--passes", 2)[1] == OK
         succeed(["field", "--pulses", "pulses.csv", "--manifest", "image.json", "--line", "z@x=0,y=0", "-o", "line.npy"], cwd=tmp_path)
         return np.load(tmp_path / "line.npy").ravel()

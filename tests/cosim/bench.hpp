@@ -28,6 +28,12 @@ inline std::string_view model_or_netlist(std::string_view name) {
     return models.size() == 1 ? models.front().name : name;
 }
 
+/// Both small models in turn; an executable with one model would run each case twice on that.
+inline std::string_view each_small_model() {
+    if (sim::available_models().size() == 1) return sim::available_models().front().name;
+    return GENERATE(as<std::string_view>{}, "small-16", "small-16-wide");
+}
+
 struct Bench {
     sim::SimulatedBoard board;
     sim::PulseRecorder recorder;

@@ -6,6 +6,8 @@ SymbiYosys, which runs proofs likewise, is not in Debian 12, and knows no plante
 Exit code 0 when every proof holds and every planted bug is caught, 1 otherwise, 2 on a wrong table or command line.
 """
 import argparse
+import hashlib
+import json
 import re
 import shutil
 import subprocess
@@ -18,6 +20,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+TOOLS = ("yosys", "yosys-smtbmc", "z3")
 
 
 class Wrong(Exception):
@@ -98,6 +101,16 @@ class Proof:
             self.left -= 1
             return self.left == 0
 
+    def key(self):
+        """What its verdict follows from: the row, this program, the tools, its sources, and all that those may include."""
+        row, digest = self.row, hashlib.sha256(json.dumps(self.row, sort_keys=True).encode())
+        files = {HERE / "run.py", *(ROOT / source for key in ("sources", "plain") for source in row.get(key, [])), *(ROOT / "rtl").rglob("*.vh")}
+        for file in sorted(files | {ROOT / bug["file"] for bug in row.get("bugs", [])}):
+            digest.update(f"{file.relative_to(ROOT)}\n".encode() + hashlib.sha256(file.read_bytes()).digest())
+        for tool in TOOLS:
+            digest.update(Path(shutil.which(tool)).resolve().read_bytes())
+        return digest.hexdigest()
+
     def problem(self, text):
         with self.lock:
             self.problems.append(text)
@@ -122,6 +135,10 @@ class Proof:
         if solve(model(self.row, self.folder / f"bug_{step}", bug), "bounded", self.row.get("reach", self.row["depth"]) + 1, step=self.row.get("step", 1)):
             self.problem(f"the planted bug {step} is not found ({bug['why']}: '{bug['old']}' -> '{bug['new']}' in {bug['file']})")
 
+    def held(self):
+        """Where the key of the last run of these steps without a problem is kept."""
+        return self.folder / f"held_{'_'.join(map(str, self.steps))}"
+
     def line(self):
         row, said = self.row, []
         if 0 in self.steps:
@@ -137,6 +154,7 @@ def main():
     parser.add_argument("--only", metavar="NAME", action="append", help="this proof (may be repeated)")
     parser.add_argument("--part", choices=("all", "quick", "rest"), default="all",
                         help="quick: without the proofs that proofs.toml calls long; rest: the others, and the planted bugs of all (all)")  # fmt: skip
+    parser.add_argument("--changed", action="store_true", help="without what held in this working folder before, with the same sources, table and tools")
     parser.add_argument("--jobs", metavar="N", type=int, default=2, help="solvers at a time (2)")
     parser.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build" / "formal", help="working folder")
     options = parser.parse_args()
@@ -145,7 +163,7 @@ def main():
     unknown = set(options.only or []) - {row["name"] for row in rows}
     if unknown:
         parser.error(f"no such proof: {', '.join(sorted(unknown))}; there are {', '.join(row['name'] for row in rows)}")
-    missing = [tool for tool in ("yosys", "yosys-smtbmc", "z3") if not shutil.which(tool)]
+    missing = [tool for tool in TOOLS if not shutil.which(tool)]
     if missing:
         parser.error(f"not installed: {', '.join(missing)} (tools/setup installs them)")
 
@@ -159,8 +177,18 @@ def main():
     start = time.monotonic()
 
     def run(proof, step):
-        if proof.run(step):
-            print("\n    ".join([proof.line(), *proof.problems]), flush=True)
+        if not proof.run(step):
+            return
+        print("\n    ".join([proof.line(), *proof.problems]), flush=True)
+        if not proof.problems:
+            proof.held().write_text(keys[proof.row["name"]])
+
+    keys = {proof.row["name"]: proof.key() for proof in proofs}
+    if options.changed:
+        known = [proof for proof in proofs if proof.held().is_file() and proof.held().read_text() == keys[proof.row["name"]]]
+        proofs = [proof for proof in proofs if proof not in known]
+        if known:
+            print(f"{len(known)} proofs held before, and nothing of theirs has changed")
 
     with ThreadPoolExecutor(max_workers=max(1, options.jobs)) as pool:
         for task in [pool.submit(run, proof, step) for proof in proofs for step in proof.steps]:
