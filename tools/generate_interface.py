@@ -101,18 +101,9 @@ def verilog(table):
     for row in table["feature"]:
         if "parameter" in row:
             define(f"FEATURE_{row['name']}", f"16'h{1 << row['bit']:04x}")
-    for kind in table["kind"]:
-        define(f"KIND_{kind['name']}", f"8'd{kind['value']}")
-    for mode in table["mode"]:
-        define(f"MODE_{mode['name']}", f"2'd{mode['value']}")
-    for role in table["role"]:
-        define(f"ROLE_{role['name']}", f"2'd{role['value']}")
-    for flash in table["flash"]:
-        define(f"FLASH_{flash['name']}", f"2'd{flash['value']}")
-    for event in table["event"]:
-        define(f"EVENT_{event['name']}", f"3'd{event['value']}")
-    for test in table["test"]:
-        define(f"TEST_{test['name']}", f"2'd{test['value']}")
+    for kind, bits in (("kind", 8), ("mode", 2), ("role", 2), ("flash", 2), ("event", 3), ("test", 2)):
+        for row in table[kind]:
+            define(f"{kind}_{row['name']}", f"{bits}'d{row['value']}")
     for command in table["command"]:
         define(f"COMMAND_{command['name']}", f"8'h{command['code']:02x}")
     for status in table["status"]:
@@ -304,26 +295,19 @@ def cpp(table):
     out += [f"    {row['name']} = {row['bit']},  // {row['about']}" for row in table["feature"]] + ["};"]
     out += ["[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {"]
     out += ["    return (features >> static_cast<unsigned>(feature) & 1U) != 0;", "}"]
-    out += ["", "/// What the words of a record are.", "enum class Kind : unsigned {"]
-    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["kind"]] + ["};"]
-    out += ["", "/// Where the next record comes from.", "enum class Mode : unsigned {"]
-    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["mode"]] + ["};"]
-    out += ["", "/// How its carrier cycles are kept in step with other boards.", "enum class Role : unsigned {"]
-    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["role"]] + ["};"]
-    out += ["", "/// What became of the image in the flash.", "enum class Flash : unsigned {"]
-    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["flash"]] + ["};"]
-    out += ["", "/// What makes a pulse at the trigger output.", "enum class Event : unsigned {"]
-    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["event"]] + ["};"]
-    out += ["", "/// What is at the test output.", "enum class Test : unsigned {"]
-    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["test"]] + ["};"]
+    for kind, about in (("kind", "What the words of a record are"), ("mode", "Where the next record comes from"),
+                        ("role", "How its carrier cycles are kept in step with other boards"), ("flash", "What became of the image in the flash"),
+                        ("event", "What makes a pulse at the trigger output"), ("test", "What is at the test output")):  # fmt: skip
+        out += ["", f"/// {about}.", f"enum class {kind.capitalize()} : unsigned {{"]
+        out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table[kind]] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
     replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
     out += ["/// Whether its reply carries data.", "constexpr bool replies(Command command) {", f"    return {replying};", "}", ""]
-    for title, rows in (("Mode", table["mode"]), ("Role", table["role"]), ("Flash", table["flash"]), ("Event", table["event"]), ("Test", table["test"]), ("Command", table["command"])):
-        variable = title.lower()
+    for variable in ("mode", "role", "flash", "event", "test", "command"):
+        title = variable.capitalize()
         out += [f"constexpr std::string_view to_string({title} {variable}) {{", f"    switch ({variable}) {{"]
-        out += [f'        case {title}::{row["name"]}: return "{row["name"]}";' for row in rows]
+        out += [f'        case {title}::{row["name"]}: return "{row["name"]}";' for row in table[variable]]
         out += ["    }", '    return "unknown";', "}", ""]
     out += ["constexpr std::string_view to_string(Status status) {", "    switch (status) {"]
     out += [f'        case Status::{s["name"]}: return "{s["name"]}: {s["about"]}";' for s in table["status"]]
@@ -412,9 +396,9 @@ def python(table):
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):
         out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
-    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]]), ("Role", [dict(r, code=r["value"]) for r in table["role"]]), ("Flash", [dict(r, code=r["value"]) for r in table["flash"]]), ("Event", [dict(r, code=r["value"]) for r in table["event"]]), ("Test", [dict(r, code=r["value"]) for r in table["test"]])):
-        out += ["", "", f"class {title}(enum.IntEnum):"]
-        out += [f"    {row['name'].upper()} = {row['code']}" for row in rows]
+    for kind in ("kind", "feature", "mode", "role", "flash", "event", "test"):
+        out += ["", "", f"class {kind.capitalize()}(enum.IntEnum):"]
+        out += [f"    {row['name'].upper()} = {row['bit' if kind == 'feature' else 'value']}" for row in table[kind]]
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):
         out += ["", "", f"class {title}(enum.IntEnum):"]
         out += [f"    {row['name'].upper()} = 0x{row['code']:02x}" for row in rows]
@@ -490,10 +474,9 @@ def page(table):
         if block["region"] == "description":
             out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", ""]
         if block["region"] == "status":
-            out += ["Values of mode:", "", "| value | mode | where the next record comes from |", "|---|---|---|"]
-            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["mode"]] + [""]
-            out += ["Values of role:", "", "| value | role | what |", "|---|---|---|"]
-            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["role"]] + [""]
+            for kind, about in (("mode", "where the next record comes from"), ("role", "what")):
+                out += [f"Values of {kind}:", "", f"| value | {kind} | {about} |", "|---|---|---|"]
+                out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table[kind]] + [""]
     out += ["## Frames", "", "The line has 8 data bits, the lowest first, no parity, one stop bit and no flow control; it is high between bytes. A *break* is the line low for",
             "20 bits or longer, which no byte does; 25 are safe.", "", "On the line a frame is COBS-encoded and ends with a zero byte. Decoded, a request is", ""]
     out += ["`sequence number, command, arguments…, data…, CRC high, CRC low`", "", "and a reply is", ""]
