@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A live session in the view: hands and object as clouds of particles, the lines on the skin, and the foci that play.
-import { BufferAttribute, BufferGeometry, type Color, Group, LineBasicMaterial, LineSegments, type Material, Matrix4, Points, PointsMaterial, Vector3 } from "three";
+import { LineBasicMaterial, LineSegments, Matrix4, Points, PointsMaterial, Vector3 } from "three";
+import { Drawing, geometryOf } from "./drawing";
 import type { Drawn, LiveHand, LiveObject, LiveScene, Point } from "./link";
 
 const fingerRadius = 7; // mm
 const mostParticles = 4000; // of the object
 const golden = 0.6180339887; // places that never repeat, and are the same in each frame
-
-type Part = Points<BufferGeometry, PointsMaterial> | LineSegments<BufferGeometry, LineBasicMaterial>;
 
 /** Particles on the surface of an object, the more the larger its triangles are. */
 function onSurface({ vertices, triangles }: Drawn): number[] {
@@ -62,19 +61,12 @@ function poseOf({ center_mm: centre, x, z }: LiveObject): Matrix4 {
   return new Matrix4().makeBasis(right, up.clone().cross(right), up).setPosition(...centre);
 }
 
-export class LiveDrawing {
-  readonly group = new Group();
-  private parts: { part: Part; colour: string }[] = [];
+export class LiveDrawing extends Drawing {
   private object: { particles: number[]; back: Matrix4 } | undefined; // and from where it stood first to its own frame
 
   /** @param scene  none: no session  @param drawn  the object that is felt */
   show(scene: LiveScene | undefined, drawn: Drawn | undefined): void {
-    for (const { part } of this.parts) {
-      part.geometry.dispose();
-      (part.material as Material).dispose();
-    }
-    this.group.clear();
-    this.parts = [];
+    this.clear();
     if (!scene) return void (this.object = undefined);
     const [now] = scene.objects; // the page's session has one
     if (now) this.object ??= { particles: drawn ? onSurface(drawn) : [], back: poseOf(now).invert() };
@@ -84,29 +76,11 @@ export class LiveDrawing {
     if (now && this.object) this.points(this.object.particles, 1.5, "--object", {}).applyMatrix4(poseOf(now).multiply(this.object.back));
     this.points(hands, 2, "--skin-edge", {});
     const lines = scene.contacts_mm.flatMap((line) => line.slice(1).flatMap((to, i) => [...(line[i] ?? to), ...to]));
-    this.add(new LineSegments(geometryOf(lines), new LineBasicMaterial(over)), "--felt");
+    this.add(new LineSegments(geometryOf(new Float32Array(lines)), new LineBasicMaterial(over)), "--felt");
     this.points(scene.foci.flatMap(([x, y, z]) => [x, y, z]), 6, "--focus", over);
   }
 
-  /** Takes the colours of the page's theme. */
-  paint(colour: (name: string) => Color): void {
-    for (const { part, colour: name } of this.parts) part.material.color = colour(name);
+  private points(places: number[], size: number, colour: string, more: object) {
+    return this.add(new Points(geometryOf(new Float32Array(places)), new PointsMaterial({ size, sizeAttenuation: false, ...more })), colour);
   }
-
-  private points(places: number[], size: number, colour: string, more: object): Part {
-    return this.add(new Points(geometryOf(places), new PointsMaterial({ size, sizeAttenuation: false, ...more })), colour);
-  }
-
-  private add(part: Part, colour: string): Part {
-    part.renderOrder = this.parts.length;
-    this.parts.push({ part, colour });
-    this.group.add(part);
-    return part;
-  }
-}
-
-function geometryOf(places: number[]): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
-  return geometry;
 }

@@ -11,6 +11,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
 import { Axes } from "./axes";
 import { type ColourMap, phaseColour, table } from "./colours";
+import { geometryOf } from "./drawing";
 import { HandDrawing } from "./hand_drawing";
 import { LiveDrawing } from "./live_drawing";
 import type { ArrayOf, Drawn, DrawnHand, Drives, LiveScene, Outline, Point, Scene, SliceData } from "./link";
@@ -53,12 +54,6 @@ const fragmentShader = `${colouring}
   void main() {
     gl_FragColor = vec4(colourOf(texture2D(field, (place * (points - 1.0) + 0.5) / points).r), 0.94);
   }`;
-
-function geometryOf(positions: Float32Array<ArrayBuffer>): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  return geometry;
-}
 
 function flat(points: Point[]): Float32Array<ArrayBuffer> {
   return new Float32Array(points.flat());
