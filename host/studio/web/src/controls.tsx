@@ -75,7 +75,6 @@ export function NumberField(props: Omit<NumberProps, "onValue" | "value" | "empt
   return <MaybeField {...props} onValue={(value) => value !== undefined && props.onValue(value)} />;
 }
 
-/** The same for a number that need not be there. */
 /** A word that is taken when its field is left. What is typed stays while the page draws itself anew. @param onWord  what is not taken is gone */
 export function WordField({ label, name, value, hint, id, onWord }: { label: string; name?: string; value: string; hint?: string; id?: string; onWord: (word: string) => void }) {
   const own = useId();
@@ -92,6 +91,7 @@ export function WordField({ label, name, value, hint, id, onWord }: { label: str
   );
 }
 
+/** The same for a number that need not be there. */
 export function MaybeField(props: NumberProps) {
   const id = useId();
   const [wrong, setWrong] = useState("");
