@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <limits>
-#include <memory>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/intensity.hpp"

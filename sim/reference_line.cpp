@@ -2,7 +2,6 @@
 #include "reference_line.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "haptogram/link/frame.hpp"
 

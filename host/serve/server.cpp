@@ -15,8 +15,6 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <list>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 

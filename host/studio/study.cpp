@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
-
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/process.hpp"
 

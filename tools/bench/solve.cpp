@@ -5,7 +5,6 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/base/error.hpp"
 
 namespace haptogram {
 namespace {

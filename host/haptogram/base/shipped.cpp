@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped_table.hpp"

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {

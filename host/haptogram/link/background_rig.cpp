@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/transfer.hpp"

@@ -10,7 +10,6 @@
 #include <exception>
 #include <iterator>
 #include <mutex>
-#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>

@@ -3,7 +3,6 @@
 
 #include <cerrno>
 #include <system_error>
-#include <thread>
 
 #include "haptogram/link/serial_line.hpp"
 

@@ -4,7 +4,6 @@
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <vector>
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptogram/base/error.hpp"
 #include "haptogram/perception/magnitude.hpp"
 #include "haptogram/perception/waveform.hpp"
 

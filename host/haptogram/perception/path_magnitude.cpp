@@ -9,9 +9,7 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <string>
 #include <tuple>
-#include <utility>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/single_waveform.hpp"

@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/robot/kinematics.hpp"

@@ -2,8 +2,6 @@
 #include "haptogram/shape/farthest.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <span>
 
