@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "haptogram/format/interface.hpp"
@@ -78,7 +79,7 @@ public:
     [[nodiscard]] std::string_view name() const { return configuration().name; }
     [[nodiscard]] const interface::CoreParameters& parameters() const { return configuration().parameters; }
     /// What is at the ports after the last clock. A reference board computes pulses for somebody who looks at them.
-    [[nodiscard]] virtual const Model::Outputs& outputs() const = 0;
+    [[nodiscard]] virtual const Model::Outputs& outputs() = 0;
     /// What of it can be had for nothing.
     struct Present {
         std::uint16_t index;
@@ -86,10 +87,10 @@ public:
         [[nodiscard]] bool playing() const { return enabled && index != 0; }
     };
     [[nodiscard]] virtual Present present() const = 0;
-    [[nodiscard]] bool pin(std::uint32_t channel) const {
+    [[nodiscard]] bool pin(std::uint32_t channel) {
         return ((outputs().pins[channel / 32] >> (channel % 32)) & 1U) != 0;
     }
-    [[nodiscard]] bool any_pin() const {
+    [[nodiscard]] bool any_pin() {
         return std::ranges::any_of(outputs().pins, [](std::uint32_t word) { return word != 0; });
     }
 
@@ -116,16 +117,23 @@ public:
 
     /// Observers. Each kind is told in the order of clocks; edges of one clock come in the order of channels, after the
     /// cycle that begins with them.
-    virtual void on_edge(std::function<void(const Edge&)> callback) = 0;
-    virtual void on_cycle_start(std::function<void(const CycleStart&)> callback) = 0;
-    virtual void on_arrival(std::function<void(const Arrival&)> callback) = 0;
-    virtual void on_sync(std::function<void(const SyncChange&)> callback) = 0;
-    virtual void on_trigger(std::function<void(const TriggerChange&)> callback) = 0;
+    virtual void on_edge(std::function<void(const Edge&)> callback) { on_edge_ = std::move(callback); }
+    void on_cycle_start(std::function<void(const CycleStart&)> callback) { on_cycle_start_ = std::move(callback); }
+    void on_arrival(std::function<void(const Arrival&)> callback) { on_arrival_ = std::move(callback); }
+    void on_sync(std::function<void(const SyncChange&)> callback) { on_sync_ = std::move(callback); }
+    void on_trigger(std::function<void(const TriggerChange&)> callback) { on_trigger_ = std::move(callback); }
 
     /// To be changed while no record is loaded, as after a reset: the boards differ in when they read a word. Empty
     /// where the memories can only be reached over the link.
     [[nodiscard]] virtual std::span<std::uint16_t> primary_memory() = 0;
     [[nodiscard]] virtual std::span<std::uint32_t> sequence_memory() = 0;
+
+protected:
+    std::function<void(const Edge&)> on_edge_;
+    std::function<void(const CycleStart&)> on_cycle_start_;
+    std::function<void(const Arrival&)> on_arrival_;
+    std::function<void(const SyncChange&)> on_sync_;
+    std::function<void(const TriggerChange&)> on_trigger_;
 };
 
 }  // namespace haptogram::sim

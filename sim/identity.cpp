@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "reference_core.hpp"
+#include "reference_board.hpp"
 
 namespace haptogram::sim {
 

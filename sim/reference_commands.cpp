@@ -3,14 +3,14 @@
 #include <span>
 #include <utility>
 
-#include "reference_core.hpp"
+#include "reference_board.hpp"
 
 namespace haptogram::sim {
 
 using interface::Command;
 using interface::Status;
 
-std::optional<ReferenceCore::Shape> ReferenceCore::shape_of(Command command) {
+std::optional<ReferenceBoard::Shape> ReferenceBoard::shape_of(Command command) {
     switch (command) {
         case Command::identify: return Shape{0, false, Carries::identity};
         case Command::write: return Shape{2, true, Carries::nothing};
@@ -35,7 +35,7 @@ std::optional<ReferenceCore::Shape> ReferenceCore::shape_of(Command command) {
     return {};
 }
 
-void ReferenceCore::byte_arrives(Clock clock, std::uint8_t byte) {
+void ReferenceBoard::byte_arrives(Clock clock, std::uint8_t byte) {
     const FrameInput::Outcome outcome = input_.byte(clock, byte, words_taken(clock));
     if (outcome == FrameInput::Outcome::damaged) ++count_.damaged;
     if (outcome == FrameInput::Outcome::good) ++count_.good;
@@ -54,12 +54,12 @@ void ReferenceCore::byte_arrives(Clock clock, std::uint8_t byte) {
 }
 
 /// By anything but a DISABLE: what was sent before does not switch on again.
-void ReferenceCore::switched_off(Clock clock) {
+void ReferenceBoard::switched_off(Clock clock) {
     stale_.begin(clock, input_.frames);
     old_ = old_ || input_.arriving();
 }
 
-std::uint64_t ReferenceCore::words_taken(Clock clock) const {
+std::uint64_t ReferenceBoard::words_taken(Clock clock) const {
     const auto of_run = [clock](Clock begin, std::uint64_t words) {
         return clock <= begin ? 0 : std::min(clock - begin, words);
     };
@@ -67,13 +67,13 @@ std::uint64_t ReferenceCore::words_taken(Clock clock) const {
            (step_ == Step::write ? written_ : of_run(second_run_, second_words_));
 }
 
-void ReferenceCore::await_frame(Clock from) {
+void ReferenceBoard::await_frame(Clock from) {
     free_from_ = from;
     step_ = input_.frames.empty() ? Step::waiting : Step::begin;
     step_at_ = input_.frames.empty() ? never : std::max(from, input_.frames.front().readable);
 }
 
-void ReferenceCore::go_on(Clock clock) {
+void ReferenceBoard::go_on(Clock clock) {
     switch (step_) {
         case Step::waiting:
         case Step::answered: return;
@@ -92,7 +92,7 @@ void ReferenceCore::go_on(Clock clock) {
 }
 
 /// The first word is taken: a word a clock up to the last argument, two clocks for the checks, then the verdict.
-void ReferenceCore::begin(Clock clock) {
+void ReferenceBoard::begin(Clock clock) {
     const std::vector<std::uint8_t>& bytes = input_.frames.front().bytes;
     word_.clear();
     for (std::size_t at = 0; at + 1 < bytes.size(); at += 2)
@@ -128,7 +128,7 @@ void ReferenceCore::begin(Clock clock) {
 }
 
 /// What is left of the frame is taken, a word a clock.
-void ReferenceCore::refuse(Clock clock, Status status) {
+void ReferenceBoard::refuse(Clock clock, Status status) {
     status_ = status;
     second_run_ = clock + 1;
     second_words_ = input_.frames.front().words() - first_words_;
@@ -136,7 +136,7 @@ void ReferenceCore::refuse(Clock clock, Status status) {
     step_at_ = clock + 2 + second_words_;
 }
 
-void ReferenceCore::judge(Clock clock) {
+void ReferenceBoard::judge(Clock clock) {
     const std::uint8_t ahead = static_cast<std::uint8_t>(number_ - expected_);
     const bool in_order = (ahead == 0 && session_) || command_ == Command::identify;
     const bool repeated = !in_order && ahead >= 0x80 && session_;
@@ -162,7 +162,7 @@ void ReferenceCore::judge(Clock clock) {
         if (word_[i] > top_index()) status_ = Status::bad_index;
 }
 
-interface::Status ReferenceCore::verdict() const {
+interface::Status ReferenceBoard::verdict() const {
     switch (command_) {
         case Command::write:
         case Command::read:
@@ -197,24 +197,24 @@ interface::Status ReferenceCore::verdict() const {
             return word_.size() - data_ > std::size_t{4} * live_free_ * record_foci() ? Status::fifo_full : Status::ok;
         case Command::stream:
             if (p_.stream == 0) return Status::unknown_command;
-            return stream_.usable(frames_->settings.at(now), top_index()) ? Status::ok : Status::bad_range;
+            return stream_.usable(frames_->settings.at(now_), top_index()) ? Status::ok : Status::bad_range;
         default: return Status::ok;
     }
 }
 
-std::uint32_t ReferenceCore::record_foci() const {
-    return interface::parameters_field::foci_last.get(frames_->settings.at(now)) + 1;
+std::uint32_t ReferenceBoard::record_foci() const {
+    return interface::parameters_field::foci_last.get(frames_->settings.at(now_)) + 1;
 }
 
-std::uint32_t ReferenceCore::top_index() const {
+std::uint32_t ReferenceBoard::top_index() const {
     if (p_.foci == 0) return p_.records;
-    const std::uint32_t count = interface::parameters_field::foci_count.get(frames_->settings.at(now));
+    const std::uint32_t count = interface::parameters_field::foci_count.get(frames_->settings.at(now_));
     return std::min(p_.records + count, 0xffffU);
 }
 
-std::size_t ReferenceCore::region_words(bool writes) const {
-    if (region_ == primary_region) return primary.size();
-    if (region_ == sequence_region) return 2 * sequence.size();
+std::size_t ReferenceBoard::region_words(bool writes) const {
+    if (region_ == primary_region) return primary_.size();
+    if (region_ == sequence_region) return 2 * sequence_.size();
     if (region_ == identity_region && !writes) return interface::identity_words;
     if (region_ == status_region && !writes) return status_words();
     if (region_ == parameters_region && p_.width_bits != 0) return interface::parameters_words;
@@ -227,7 +227,7 @@ std::size_t ReferenceCore::region_words(bool writes) const {
     return 0;
 }
 
-interface::Status ReferenceCore::verdict_on_memory() const {
+interface::Status ReferenceBoard::verdict_on_memory() const {
     const bool writes = command_ == Command::write;
     const std::size_t words = writes ? word_.size() - data_ : argument(2) / 2;
     const bool odd = argument(0) % 2 != 0 || (!writes && argument(2) % 2 != 0);
@@ -238,14 +238,14 @@ interface::Status ReferenceCore::verdict_on_memory() const {
 }
 
 /// Whether what plays reads the word that is to be written, or all of its region.
-bool ReferenceCore::held(Clock clock) const {
+bool ReferenceBoard::held(Clock clock) const {
     if (region_ == primary_region) return player_->reader().reads(clock, address_);
     if (region_ == modulation_region) return frames_->modulation.fetching(clock);
     return region_ == sequence_region && source_.fetching(clock);
 }
 
 /// One word a clock, but none in a clock in which the player reads it.
-void ReferenceCore::write(Clock clock) {
+void ReferenceBoard::write(Clock clock) {
     step_at_ = clock + 1;
     if (is_message()) return write_pattern(clock);
     if (held(clock)) return;
@@ -261,7 +261,7 @@ void ReferenceCore::write(Clock clock) {
 }
 
 /// Likewise, but those of a pattern that is not kept are only taken.
-void ReferenceCore::write_pattern(Clock clock) {
+void ReferenceBoard::write_pattern(Clock clock) {
     if (!stream_.ready(clock)) return;
     const auto parameters = frames_->settings.at(clock);
     if (const auto place = stream_.place(parameters)) {
@@ -278,26 +278,26 @@ void ReferenceCore::write_pattern(Clock clock) {
     written(clock);
 }
 
-void ReferenceCore::written(Clock clock) {
+void ReferenceBoard::written(Clock clock) {
     second_words_ = written_;
     second_run_ = clock + 1 - written_;
     step_ = Step::close;
     step_at_ = clock + 3;
 }
 
-void ReferenceCore::put(Clock clock, std::uint16_t value) {
+void ReferenceBoard::put(Clock clock, std::uint16_t value) {
     switch (region_) {
         case primary_region:
-            if (address_ >= primary.size()) return;
+            if (address_ >= primary_.size()) return;
             player_->reader().written(clock, address_, value);
-            primary[address_] = value;
+            primary_[address_] = value;
             return;
         case sequence_region:
             if (address_ == 0) source_.header_written(clock, value);
             if (address_ % 2 == 0)
                 low_half_ = value;
             else
-                sequence[address_ / 2] = static_cast<std::uint32_t>(value) << 16 | low_half_;
+                sequence_[address_ / 2] = static_cast<std::uint32_t>(value) << 16 | low_half_;
             return;
         case parameters_region: frames_->settings.write(clock, address_, value); return;
         case geometry_region: frames_->geometry[address_ / 4][address_ % 4] = value; return;
@@ -309,7 +309,7 @@ void ReferenceCore::put(Clock clock, std::uint16_t value) {
     }
 }
 
-void ReferenceCore::close(Clock clock) {
+void ReferenceBoard::close(Clock clock) {
     if (status_ == Status::ok && !is_message()) {
         session_ = true;
         if (command_ == Command::identify) session_number_ = number_;
@@ -325,7 +325,7 @@ void ReferenceCore::close(Clock clock) {
     step_at_ = clock + 1;
 }
 
-void ReferenceCore::keep_pushed(Clock clock) {
+void ReferenceBoard::keep_pushed(Clock clock) {
     const Schedule::Use use = schedule_.use(clock);
     count_.late = static_cast<std::uint16_t>(count_.late + use.late);
     if (cut_) return;
@@ -346,7 +346,7 @@ void ReferenceCore::keep_pushed(Clock clock) {
 }
 
 /// What waits for a period goes on: a START empties the live FIFO, also of what a PUSH is writing there.
-void ReferenceCore::open_gate(Clock clock) {
+void ReferenceBoard::open_gate(Clock clock) {
     if (schedule_.take_modulation()) frames_->modulation.begin(clock, false);
     if (const auto start = schedule_.take_start()) {
         cut_ = cut_ || pushing(clock);
@@ -360,12 +360,12 @@ void ReferenceCore::open_gate(Clock clock) {
     source_.open(clock);
 }
 
-void ReferenceCore::drop_starts() {
+void ReferenceBoard::drop_starts() {
     schedule_.drop_starts();
     source_.drop_follower();
 }
 
-void ReferenceCore::stop(Clock clock) {
+void ReferenceBoard::stop(Clock clock) {
     drop_starts();
     schedule_.drop_pushed();
     schedule_.modulation_waits(false);
@@ -373,7 +373,7 @@ void ReferenceCore::stop(Clock clock) {
     source_.stop(clock);
 }
 
-void ReferenceCore::modulate(Clock clock) {
+void ReferenceBoard::modulate(Clock clock) {
     const auto word = [this](std::size_t i) { return static_cast<std::uint16_t>(argument(i)); };
     frames_->modulation.ask(clock, word(0), word(1), word(2));
     const Schedule::Use use = schedule_.use(clock);
@@ -382,7 +382,7 @@ void ReferenceCore::modulate(Clock clock) {
     if (use.turn != Schedule::Turn::waits) frames_->modulation.begin(clock, use.turn == Schedule::Turn::follows);
 }
 
-void ReferenceCore::start(Clock clock, const Schedule::Arguments& arguments) {
+void ReferenceBoard::start(Clock clock, const Schedule::Arguments& arguments) {
     const Schedule::Use use = schedule_.use(clock);
     count_.late = static_cast<std::uint16_t>(count_.late + use.late);
     drop_starts();
@@ -399,7 +399,7 @@ void ReferenceCore::start(Clock clock, const Schedule::Arguments& arguments) {
     }
 }
 
-void ReferenceCore::execute(Clock clock) {
+void ReferenceBoard::execute(Clock clock) {
     if (status_ == Status::ok)
         apply(clock);
     else
@@ -414,7 +414,7 @@ void ReferenceCore::execute(Clock clock) {
     begin_reply(clock);
 }
 
-void ReferenceCore::apply(Clock clock) {
+void ReferenceBoard::apply(Clock clock) {
     if (command_ != Command::identify) guard_.kick(clock);
     if (shape_.carries == Carries::nothing) source_.host_takes_over();
     const bool may_play = !unplayed_.active(clock);  // otherwise a STOP that was sent later has acted already

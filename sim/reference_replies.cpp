@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <array>
 
 #include "identity.hpp"
-#include "reference_core.hpp"
+#include "reference_board.hpp"
 
 namespace haptogram::sim {
 
@@ -23,12 +22,12 @@ std::uint32_t crc32(std::uint32_t crc, std::uint16_t word) {
 
 }  // namespace
 
-Clock ReferenceCore::collect(Clock offered, std::uint32_t word) {
+Clock ReferenceBoard::collect(Clock offered, std::uint32_t word) {
     const Clock low = line_out_.collect(offered, static_cast<std::uint8_t>(word));
     return line_out_.collect(low + 1, static_cast<std::uint8_t>(word >> 8));
 }
 
-void ReferenceCore::begin_reply(Clock clock) {
+void ReferenceBoard::begin_reply(Clock clock) {
     const bool carries = status_ == Status::ok || status_ == Status::repeated;
     words_left_ = 0;
     told_period_ = schedule_.period(clock);
@@ -43,7 +42,7 @@ void ReferenceCore::begin_reply(Clock clock) {
     reply_ = Reply::level;
 }
 
-void ReferenceCore::reply(Clock clock) {
+void ReferenceBoard::reply(Clock clock) {
     if (reply_ == Reply::words) return read_word(clock);
     const Clock head = collect(clock + 1, source_.live_level());
     if (words_left_ == 0) return end_reply(head);
@@ -51,7 +50,7 @@ void ReferenceCore::reply(Clock clock) {
     reply_at_ = head + 1;
 }
 
-void ReferenceCore::read_word(Clock clock) {
+void ReferenceBoard::read_word(Clock clock) {
     waits_for_memory_ = region_ == primary_region && player_->reader().reads(clock);
     if (waits_for_memory_) {
         reply_at_ = player_->reader().reads_to() + 1;
@@ -81,18 +80,18 @@ void ReferenceCore::read_word(Clock clock) {
 }
 
 /// @param clock  in which the last word was collected; its CRC follows
-void ReferenceCore::end_reply(Clock clock) {
+void ReferenceBoard::end_reply(Clock clock) {
     line_out_.close(clock + 1);
     reply_ = Reply::idle;
     reply_at_ = never;
     await_frame(clock + 1);
 }
 
-std::uint16_t ReferenceCore::memory_word() const {
-    if (region_ == primary_region) return primary[address_];
-    if (region_ == sequence_region) return static_cast<std::uint16_t>(sequence[address_ / 2] >> address_ % 2 * 16);
+std::uint16_t ReferenceBoard::memory_word() const {
+    if (region_ == primary_region) return primary_[address_];
+    if (region_ == sequence_region) return static_cast<std::uint16_t>(sequence_[address_ / 2] >> address_ % 2 * 16);
     if (region_ == status_region) return status_word(address_);
-    if (region_ == parameters_region) return frames_->settings.at(now)[address_];
+    if (region_ == parameters_region) return frames_->settings.at(now_)[address_];
     if (region_ == modulation_region) return frames_->modulation.word(address_);
     if (region_ == ring_region) return ring_.words()[address_];
     if (region_ == stream_region) return stream_.words()[address_];
@@ -100,18 +99,18 @@ std::uint16_t ReferenceCore::memory_word() const {
     return identity_block(p_)[address_];
 }
 
-std::uint16_t ReferenceCore::status_word(std::uint32_t word) const {
+std::uint16_t ReferenceBoard::status_word(std::uint32_t word) const {
     std::array<std::uint16_t, interface::status_words> block{};
     namespace field = interface::status_field;
     field::enabled.set(block, guard_.enabled() ? 1 : 0);
-    field::mode.set(block, static_cast<unsigned>(source_.streams(now) ? interface::Mode::live : source_.mode()));
-    field::streaming.set(block, source_.streams(now) ? 1 : 0);
+    field::mode.set(block, static_cast<unsigned>(source_.streams(now_) ? interface::Mode::live : source_.mode()));
+    field::streaming.set(block, source_.streams(now_) ? 1 : 0);
     field::stream_late.set(block, count_.stream_late);
     field::stream_lost.set(block, count_.stream_lost);
     field::stream_early.set(block, count_.stream_early);
     field::stream_repeated.set(block, count_.stream_repeated);
     field::stopped.set(block, stopped_ ? 1 : 0);
-    field::modulated.set(block, frames_ != nullptr && frames_->modulation.running(now) ? 1 : 0);
+    field::modulated.set(block, frames_ != nullptr && frames_->modulation.running(now_) ? 1 : 0);
     field::bent_periods.set(block, count_.bent);
     field::far_foci.set(block, count_.far);
     field::present_index.set(block, index_);
@@ -128,7 +127,7 @@ std::uint16_t ReferenceCore::status_word(std::uint32_t word) const {
     field::waiting.set(block, schedule_.waiting() ? 1 : 0);
     field::role.set(block, static_cast<unsigned>(sync_.role()));
     field::in_step.set(block, sync_.in_step() ? 1 : 0);
-    field::numbered.set(block, sync_.numbered(now) ? 1 : 0);
+    field::numbered.set(block, sync_.numbered(now_) ? 1 : 0);
     field::sync_misses.set(block, count_.missed);
     field::sync_losses.set(block, count_.lost);
     field::late_changes.set(block, count_.late);

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -31,7 +30,7 @@ public:
     void reset(unsigned clocks = 4) override;
     [[nodiscard]] std::uint64_t now() const override { return now_; }
     [[nodiscard]] const interface::CoreConfiguration& configuration() const override { return model_->configuration(); }
-    [[nodiscard]] const Model::Outputs& outputs() const override { return outputs_; }
+    [[nodiscard]] const Model::Outputs& outputs() override { return outputs_; }
     [[nodiscard]] Present present() const override { return {outputs_.index, outputs_.enabled}; }
 
     void send(std::span<const std::uint8_t> bytes) override;
@@ -47,14 +46,6 @@ public:
     void drive_trigger(bool level) override { trigger_ = level; }
     /// The level at the serial line from the next tile of a chain.
     void drive_next(bool level) { next_ = level; }
-
-    void on_edge(std::function<void(const Edge&)> callback) override { on_edge_ = std::move(callback); }
-    void on_cycle_start(std::function<void(const CycleStart&)> callback) override {
-        on_cycle_start_ = std::move(callback);
-    }
-    void on_arrival(std::function<void(const Arrival&)> callback) override { on_arrival_ = std::move(callback); }
-    void on_sync(std::function<void(const SyncChange&)> callback) override { on_sync_ = std::move(callback); }
-    void on_trigger(std::function<void(const TriggerChange&)> callback) override { on_trigger_ = std::move(callback); }
 
     [[nodiscard]] std::span<std::uint16_t> primary_memory() override { return model_->primary_memory(); }
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override { return model_->sequence_memory(); }
@@ -78,11 +69,6 @@ private:
     std::optional<bool> forced_line_;
     std::deque<std::uint8_t> net_;  // for the network port
     std::vector<std::uint8_t> arrived_;
-    std::function<void(const Edge&)> on_edge_;
-    std::function<void(const CycleStart&)> on_cycle_start_;
-    std::function<void(const Arrival&)> on_arrival_;
-    std::function<void(const SyncChange&)> on_sync_;
-    std::function<void(const TriggerChange&)> on_trigger_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
     bool stop_ = false, sync_ = false, trigger_ = false, next_ = true, net_break_ = false, net_stop_ = false;

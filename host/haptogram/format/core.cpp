@@ -17,13 +17,6 @@ namespace {
 
 using section::Section;
 
-std::string configuration_names() {
-    std::string names;
-    for (const auto& one : interface::core_configurations)
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", one.name);
-    return names;
-}
-
 bool is_board(const std::string& name) {
     const std::vector<std::string> shipped = shipped_boards();
     return name.find('/') != std::string::npos || name.ends_with(".toml") ||
@@ -40,6 +33,13 @@ std::vector<std::string> boardless_configurations() {
 }
 
 }  // namespace
+
+std::string configuration_names() {
+    std::string names;
+    for (const auto& one : interface::core_configurations)
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", one.name);
+    return names;
+}
 
 Core find_configuration(const std::string& name) {
     if (const auto* one = interface::find_configuration(name)) return {name, one->parameters};

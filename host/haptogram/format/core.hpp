@@ -64,6 +64,9 @@ inline constexpr std::uint32_t least_timed_cycle = 8;
 /// @throws Error{bad_input} naming those that there are
 [[nodiscard]] Core find_configuration(const std::string& name);
 
+/// Those of all configurations, with commas between.
+[[nodiscard]] std::string configuration_names();
+
 /// A board by the name or path that load_board() takes, or a configuration.
 [[nodiscard]] Core find_core(const std::string& name);
 
