@@ -75,9 +75,6 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
     const std::size_t each = make_ring(device).each;
     Pace pace(settings, device_carrier_hz(device));
     const Status before = device.status();
-    const auto since = [&](const Status& now, std::uint16_t Status::*counter) {
-        return static_cast<std::uint16_t>(now.*counter - before.*counter);
-    };
     LiveFocusPlaying now{.step_s = pace.step_s(), .lead_s = pace.lead_s(), .status = before};
     while_on(device, settings.watchdog_ms, [&] {
         LiveFeed fifo(device, device.identity(), each);
@@ -86,7 +83,7 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
                 now.status = device.status();
                 fifo.learn(now.status);
                 require_on(now.status, &before);
-                pace.learn(since(now.status, &Status::underruns));
+                pace.learn(counted(before, now.status).underruns);
                 now.step_s = pace.step_s();
                 now.lead_s = pace.lead_s();
                 asked = Clock::now();
@@ -105,12 +102,10 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
             fifo.refresh();
         }
     });
-    return {.sent = now.sent,
-            .underruns = since(now.status, &Status::underruns),
-            .refused_records = since(now.status, &Status::refused_records),
-            .watchdog_trips = since(now.status, &Status::watchdog_trips),
-            .guard_trips = since(now.status, &Status::guard_trips),
-            .interrupted = true};
+    Played played = counted(before, now.status);
+    played.sent = now.sent;
+    played.interrupted = true;
+    return played;
 }
 
 }  // namespace haptogram::link

@@ -85,9 +85,6 @@ struct FromMemories {
 Played play_memories(Commands& device, const PlaySettings& settings, const Watch& watch, const FromMemories& what) {
     using Clock = std::chrono::steady_clock;
     const Status before = device.status();
-    const auto since = [&](const Status& status, std::uint16_t Status::*counter) {
-        return static_cast<std::uint16_t>(status.*counter - before.*counter);
-    };
     Playing now{.status = before};
     bool interrupted = false;
     const std::optional<ModulationOn> modulation = modulated(device, settings);
@@ -101,17 +98,15 @@ Played play_memories(Commands& device, const PlaySettings& settings, const Watch
             now.status = sure_status(device);
             if (what.waits(now.status)) begun = Clock::now();
             now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
-            now.underruns = since(now.status, &Status::underruns);
+            now.underruns = counted(before, now.status).underruns;
             interrupted = watch && !watch(now);
             require_on(now.status, &before);
         } while (!interrupted && what.goes_on(now.status) &&
                  (settings.seconds == 0.0 || now.seconds < settings.seconds));
     });
-    return {.underruns = now.underruns,
-            .refused_records = since(now.status, &Status::refused_records),
-            .watchdog_trips = since(now.status, &Status::watchdog_trips),
-            .guard_trips = since(now.status, &Status::guard_trips),
-            .interrupted = interrupted};
+    Played played = counted(before, now.status);
+    played.interrupted = interrupted;
+    return played;
 }
 
 }  // namespace

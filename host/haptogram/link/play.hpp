@@ -45,6 +45,17 @@ struct Played {
     bool interrupted = false;  ///< the watch ended it
 };
 
+/// How far the counters have gone on from one status to a later one.
+[[nodiscard]] inline Played counted(const Status& before, const Status& now) {
+    const auto since = [&](std::uint16_t Status::*counter) {
+        return static_cast<std::uint16_t>(now.*counter - before.*counter);
+    };
+    return {.underruns = since(&Status::underruns),
+            .refused_records = since(&Status::refused_records),
+            .watchdog_trips = since(&Status::watchdog_trips),
+            .guard_trips = since(&Status::guard_trips)};
+}
+
 /// Turns the outputs on, plays what is in the device's memories until its end, and turns them off again. At a rate of
 /// its own, and under a waveform that the device itself cannot play, the sequence goes through the live FIFO with other
 /// dwells, and the memory stays as it is.

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/play.hpp"
 
 namespace haptogram::link {
 namespace {
@@ -255,13 +256,11 @@ RigPlayed PlayingTiles::played() const {
     RigPlayed played{.period = begun_, .attempts = attempts_, .lost = lost_};
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i)) continue;
-        const auto since = [&](std::uint16_t Status::*counter) {
-            return static_cast<std::uint16_t>(statuses_[i].value().*counter - before_[i].*counter);
-        };
-        played.underruns += since(&Status::underruns);
-        played.refused_records += since(&Status::refused_records);
-        played.watchdog_trips += since(&Status::watchdog_trips);
-        played.guard_trips += since(&Status::guard_trips);
+        const Played one = counted(before_[i], statuses_[i].value());
+        played.underruns += one.underruns;
+        played.refused_records += one.refused_records;
+        played.watchdog_trips += one.watchdog_trips;
+        played.guard_trips += one.guard_trips;
     }
     return played;
 }

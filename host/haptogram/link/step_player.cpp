@@ -243,15 +243,7 @@ void StepPlayer::end(Stage stage, std::optional<Error> error) {
     const bool on = work.phase > Phase::weakens && stage != Stage::done;
     work.told.stage = stage;
     work.told.error = std::move(error);
-    if (work.phase > Phase::weakens) {
-        const auto since = [&](std::uint16_t Status::*counter) {
-            return static_cast<std::uint16_t>(state_.status.*counter - work.before.*counter);
-        };
-        work.told.played = Played{.underruns = since(&Status::underruns),
-                                  .refused_records = since(&Status::refused_records),
-                                  .watchdog_trips = since(&Status::watchdog_trips),
-                                  .guard_trips = since(&Status::guard_trips)};
-    }
+    if (work.phase > Phase::weakens) work.told.played = counted(work.before, state_.status);
     settings_.work(work.told);
     if (on) stop();
 }

@@ -29,7 +29,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
     const auto begun = Clock::now();
     const auto learn = [&](const Status& status) {
         now.status = status;
-        now.underruns = static_cast<std::uint16_t>(status.underruns - before.underruns);
+        now.underruns = counted(before, status).underruns;
     };
     const auto go_on = [&] {
         now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
@@ -70,14 +70,10 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
             std::this_thread::sleep_for(pause);
         }
     });
-    const auto since = [&](std::uint16_t Status::*counter) {
-        return static_cast<std::uint16_t>(now.status.*counter - before.*counter);
-    };
-    played.underruns = since(&Status::underruns);
-    played.refused_records = since(&Status::refused_records);
-    played.watchdog_trips = since(&Status::watchdog_trips);
-    played.guard_trips = since(&Status::guard_trips);
-    return played;
+    Played all = counted(before, now.status);
+    all.sent = played.sent;
+    all.interrupted = played.interrupted;
+    return all;
 }
 
 Played stream_entries(Commands& device, const StreamSettings& settings, StreamSource& source, const Watch& watch) {
