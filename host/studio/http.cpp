@@ -24,6 +24,7 @@
 #include <variant>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -144,12 +145,9 @@ private:
 
 }  // namespace
 
-std::string close_reason(std::string message) {
+std::string close_reason(std::string_view message) {
     constexpr std::size_t room = 123;
-    if (message.size() > room) message.resize(room);
-    for (char& each : message)
-        if (each < ' ' || each > '~') each = '?';
-    return message;
+    return printable(std::string_view(message).substr(0, room));
 }
 
 class Server::Inside {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>  // for Boost 1.74, whose coroutines use std::exchange without it
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace haptogram::studio {
 
 /// Why a WebSocket is closed, as its protocol takes it: 123 bytes at most, and UTF-8. What a message quotes may be
 /// neither, so bytes that are no printable ASCII become question marks.
-[[nodiscard]] std::string close_reason(std::string message);
+[[nodiscard]] std::string close_reason(std::string_view message);
 
 /// A page that is connected. A message to it is queued, from any thread. Bulk is dropped while the page takes nothing,
 /// text never: when too much waits for too long, the connection ends.

@@ -84,11 +84,16 @@ std::string lower_case(std::string_view text) {
     return result;
 }
 
+std::string printable(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        if (c < ' ' || c > '~') c = '?';
+    return result;
+}
+
 std::string shown(std::string_view text) {
     constexpr std::size_t longest = 40;
-    std::string result = "\"";
-    for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
-    return result + (text.size() > longest ? "…\"" : "\"");
+    return "\"" + printable(text.substr(0, longest)) + (text.size() > longest ? "…\"" : "\"");
 }
 
 std::string at_line(const std::string& file, std::size_t line) { return fmt::format("{}, line {}", file, line); }

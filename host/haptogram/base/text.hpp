@@ -58,7 +58,10 @@ void split_at(char separator, std::string_view line, Fields& fields);
 
 [[nodiscard]] std::string lower_case(std::string_view text);
 
-/// `text` in quotation marks for a message: shortened, and with "?" for control characters.
+/// With "?" for all that is no printable ASCII: what files and devices say may go to a terminal.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// `text` in quotation marks for a message: shortened, and printable.
 [[nodiscard]] std::string shown(std::string_view text);
 
 [[nodiscard]] std::string at_line(const std::string& file, std::size_t line);

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {
@@ -180,14 +181,6 @@ RecordMeaning record_from_json(const ordered_json& json, const std::string& wher
     if (json.contains("amplitude")) record.amplitude = fraction(json, "amplitude", where);
     record.dwell_cycles = count(json, "dwell_cycles", 0, where);
     return record;
-}
-
-/// The message of the JSON library quotes the input that it could not read, which may be bytes that no terminal should
-/// get.
-std::string printable(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
-    return text;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
@@ -41,13 +42,6 @@ void require_words(const Bytes& block, unsigned words) {
             fmt::format("its reply is too short, {} bytes instead of {}; it speaks another version of "
                         "the protocol",
                         block.size(), 2 * words));
-}
-
-/// What a device says of itself may go to a terminal.
-std::string printable(const std::string& text) {
-    std::string shown;
-    for (const char letter : text) shown += letter >= ' ' && letter <= '~' ? letter : '?';
-    return shown;
 }
 
 /// A board that lied here would have buffers of no length and divisions by 0 made for it.

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram::link {
 namespace {
@@ -44,10 +45,7 @@ struct Found : FtdiDevice {
 std::string text(libusb_device_handle* handle, std::uint8_t index) {
     std::array<unsigned char, 256> ascii{};
     const int length = index == 0 ? 0 : libusb_get_string_descriptor_ascii(handle, index, ascii.data(), ascii.size());
-    std::string found(ascii.begin(), ascii.begin() + std::max(length, 0));
-    std::ranges::replace_if(
-        found, [](char letter) { return letter < ' ' || letter > '~'; }, '?');  // for terminals
-    return found;
+    return printable({reinterpret_cast<const char*>(ascii.data()), static_cast<std::size_t>(std::max(length, 0))});
 }
 
 /// The plugged-in devices with FTDI's own numbers, and those with the vendor and product numbers that `wanted` begins
