@@ -191,6 +191,24 @@ Request write_request(std::uint32_t address, std::span<const std::uint16_t> word
     return {Command::write, followed_by(payload_of(address, address >> 16), words)};
 }
 
+Request write_request(std::uint32_t address, const Bytes& bytes) {
+    Bytes payload = payload_of(address, address >> 16);
+    payload.insert(payload.end(), bytes.begin(), bytes.end());
+    return {Command::write, std::move(payload)};
+}
+
+Request asking_request(Command command, std::uint32_t address, std::size_t bytes) {
+    return {command, payload_of(address, address >> 16, bytes)};
+}
+
+Request push_request(std::span<const std::uint16_t> indices, std::uint16_t dwell) {
+    return {Command::push, followed_by(payload_of(dwell), indices)};
+}
+
+Request push_foci_request(std::span<const std::uint16_t> words, std::uint16_t dwell) {
+    return {Command::push_foci, followed_by(payload_of(dwell), words)};
+}
+
 Request select_request(std::uint16_t index, std::uint16_t dwell) { return {Command::select, payload_of(index, dwell)}; }
 
 Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
@@ -265,11 +283,11 @@ Reply Commands::request(Request wanted, When when) {
 }
 
 std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when) {
-    return request({Command::push, followed_by(payload_of(dwell), indices)}, when).live_level;
+    return request(push_request(indices, dwell), when).live_level;
 }
 
 std::uint16_t Commands::push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell) {
-    return request({Command::push_foci, followed_by(payload_of(dwell), words)}).live_level;
+    return request(push_foci_request(words, dwell)).live_level;
 }
 
 void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops, When when) {
@@ -284,14 +302,10 @@ void Commands::set_watchdog(std::uint16_t milliseconds) { request(watchdog_reque
 
 void Commands::set_role(Role role) { request({Command::sync, payload_of(static_cast<std::uint16_t>(role))}); }
 
-void Commands::write(std::uint32_t address, const Bytes& bytes) {
-    Bytes payload = payload_of(address, address >> 16);
-    payload.insert(payload.end(), bytes.begin(), bytes.end());
-    request({Command::write, std::move(payload)});
-}
+void Commands::write(std::uint32_t address, const Bytes& bytes) { request(write_request(address, bytes)); }
 
 Bytes Commands::read(std::uint32_t address, std::uint16_t bytes) {
-    return request({Command::read, payload_of(address, address >> 16, bytes)}).data;
+    return request(asking_request(Command::read, address, bytes)).data;
 }
 
 std::chrono::milliseconds keep_alive_pause(std::uint16_t watchdog_ms) {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
@@ -122,6 +121,12 @@ struct Request {
 
 /// Writes words of 16 bits.
 [[nodiscard]] Request write_request(std::uint32_t address, std::span<const std::uint16_t> words);
+[[nodiscard]] Request write_request(std::uint32_t address, const Bytes& bytes);
+/// A READ or DIGEST of so many bytes.
+[[nodiscard]] Request asking_request(interface::Command command, std::uint32_t address, std::size_t bytes);
+/// What Commands::push() and push_foci() send.
+[[nodiscard]] Request push_request(std::span<const std::uint16_t> indices, std::uint16_t dwell);
+[[nodiscard]] Request push_foci_request(std::span<const std::uint16_t> words, std::uint16_t dwell);
 /// What Commands::select(), start(), modulate() and set_watchdog() send, of what takes effect at once.
 [[nodiscard]] Request select_request(std::uint16_t index, std::uint16_t dwell);
 [[nodiscard]] Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t loops);

@@ -11,7 +11,6 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/timer.hpp"
-#include "haptogram/link/memory.hpp"
 #include "haptogram/link/transfer.hpp"
 
 namespace haptogram::link {
@@ -86,9 +85,7 @@ void Intensity::add_pulses(std::vector<Request>& requests, const Identity& ident
         interface::record_field::cycle_length.set(header, record.cycle_length);
         interface::record_field::pulse_length.set(header, pulse);
         const std::uint32_t word = static_cast<std::uint32_t>(i) * record_words(image_.channels) + pulse_word;
-        requests.push_back(writing(Piece{
-            interface::primary_base + word_bytes * word,
-            {static_cast<std::uint8_t>(header[pulse_word]), static_cast<std::uint8_t>(header[pulse_word] >> 8)}}));
+        requests.push_back(write_request(interface::primary_base + word_bytes * word, {&header[pulse_word], 1}));
         pulses_[i] = pulse;
     }
 }

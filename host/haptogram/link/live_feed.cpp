@@ -21,20 +21,16 @@ LiveFeed::LiveFeed(Commands& device, const Identity& identity, std::size_t foci_
 std::size_t LiveFeed::room() const { return std::min(frame_, depth_ - std::min(depth_, level())); }
 
 void LiveFeed::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
-    send(interface::Command::push, indices, dwell, indices.size());
+    send(push_request(indices, dwell), indices.size());
 }
 
 void LiveFeed::push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell) {
-    send(interface::Command::push_foci, words, dwell, words.size() / (4 * foci_each_));
+    send(push_foci_request(words, dwell), words.size() / (4 * foci_each_));
 }
 
-void LiveFeed::send(interface::Command command, std::span<const std::uint16_t> words, std::uint16_t dwell,
-                    std::size_t count) {
-    Bytes payload = {static_cast<std::uint8_t>(dwell), static_cast<std::uint8_t>(dwell >> 8)};
-    for (const std::uint16_t word : words)
-        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(word >> shift));
+void LiveFeed::send(Request request, std::size_t count) {
     fifo_->under_way += count;
-    device_.submit({command, std::move(payload)}, [fifo = fifo_, count](const Reply& reply) {
+    device_.submit(std::move(request), [fifo = fifo_, count](const Reply& reply) {
         fifo->under_way -= count;
         fifo->level = reply.live_level;
     });

@@ -39,7 +39,7 @@ private:
         std::size_t under_way = 0;  // indices in frames that are not answered yet
     };
 
-    void send(interface::Command command, std::span<const std::uint16_t> words, std::uint16_t dwell, std::size_t count);
+    void send(Request request, std::size_t count);
 
     Commands& device_;
     std::size_t foci_each_, depth_, frame_;

@@ -8,31 +8,14 @@
 #include "haptogram/format/image.hpp"
 
 namespace haptogram::link {
-namespace {
 
 using interface::Command;
 
-Bytes place_of(const Piece& piece) {
-    Bytes payload;
-    for (const unsigned shift : {0U, 8U, 16U, 24U})
-        payload.push_back(static_cast<std::uint8_t>(piece.address >> shift));
-    return payload;
-}
-
-}  // namespace
-
 Request asking(Command command, const Piece& piece) {
-    Request request{command, place_of(piece)};
-    for (const unsigned shift : {0U, 8U})
-        request.payload.push_back(static_cast<std::uint8_t>(piece.bytes.size() >> shift));
-    return request;
+    return asking_request(command, piece.address, piece.bytes.size());
 }
 
-Request writing(const Piece& piece) {
-    Request request{Command::write, place_of(piece)};
-    request.payload.insert(request.payload.end(), piece.bytes.begin(), piece.bytes.end());
-    return request;
-}
+Request writing(const Piece& piece) { return write_request(piece.address, piece.bytes); }
 
 std::vector<Request> writing(const std::vector<Piece>& pieces) {
     std::vector<Request> requests;
@@ -70,7 +53,7 @@ Bytes contents(Commands& device, std::uint32_t address, std::size_t bytes, const
     std::vector<Request> requests;
     for (std::size_t at = 0; at < bytes; at += most)
         requests.push_back(
-            asking(Command::read, {address + static_cast<std::uint32_t>(at), Bytes(std::min(most, bytes - at))}));
+            asking_request(Command::read, address + static_cast<std::uint32_t>(at), std::min(most, bytes - at)));
     Bytes found;
     for (const Reply& reply : device.pipeline(std::move(requests), progress))
         found.insert(found.end(), reply.data.begin(), reply.data.end());

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -146,18 +145,17 @@ std::vector<FocusWords> FocusPlayer::next_words() {
 void FocusPlayer::send(std::size_t count) {
     const double waiting = level();
     const std::uint64_t entry = fifo_->pushed;
-    link::Bytes payload = {static_cast<std::uint8_t>(dwell_), static_cast<std::uint8_t>(dwell_ >> 8U)};
-    std::vector<std::uint16_t> indices;
+    const auto dwell = static_cast<std::uint16_t>(dwell_);
+    std::vector<std::uint16_t> indices, foci;
     std::optional<std::size_t> loud;
     for (std::size_t i = 0; i < count; ++i) {
         for (const FocusWords& words : next_words()) {
             if (words[3] >> 8U > 0 && !loud) loud = i;
-            for (const std::uint16_t word : words)
-                for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(word >> shift));
+            foci.insert(foci.end(), words.begin(), words.end());
         }
         indices.push_back(static_cast<std::uint16_t>(ring_.first + records_++ % ring_.count));
     }
-    send_entries({interface::Command::push_foci, std::move(payload)}, indices, static_cast<std::uint16_t>(dwell_));
+    send_entries(link::push_foci_request(foci, dwell), indices, dwell);
     entry_s_ = dwell_ * timer_.period_s();
     if (begun_ || !loud) return;
     begun_ = true;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "haptogram/format/interface.hpp"
 
@@ -41,10 +40,7 @@ Player::Player(link::Commands& device, const link::HostClock& clock, const Timer
 }
 
 void Player::push(std::span<const std::uint16_t> indices, std::uint16_t dwell) {
-    link::Bytes payload = {static_cast<std::uint8_t>(dwell), static_cast<std::uint8_t>(dwell >> 8)};
-    for (const std::uint16_t index : indices)
-        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(index >> shift));
-    send_entries({interface::Command::push, std::move(payload)}, indices, dwell);
+    send_entries(link::push_request(indices, dwell), indices, dwell);
 }
 
 void Player::send_entries(link::Request request, std::span<const std::uint16_t> indices, std::uint16_t dwell) {

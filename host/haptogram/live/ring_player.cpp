@@ -36,16 +36,12 @@ Record part_of(const Record& record, std::size_t first, const DevicePart& part) 
     return own;
 }
 
-link::Bytes write_of(const Record& record, std::uint16_t index) {
+link::Request write_of(const Record& record, std::uint16_t index) {
     Image image;
     image.channels = static_cast<std::uint32_t>(record.timings.size());
     image.records = {record};
     const std::uint32_t address = interface::primary_base + (index - 1U) * record_words(image.channels) * 2U;
-    link::Bytes payload;
-    for (const unsigned shift : {0U, 8U, 16U, 24U}) payload.push_back(static_cast<std::uint8_t>(address >> shift));
-    for (const std::uint16_t word : primary_words(image))
-        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(word >> shift));
-    return payload;
+    return link::write_request(address, primary_words(image));
 }
 
 /// A path in so many steps of equal length, which takes about as long. One that has them stays as it is.
@@ -192,8 +188,8 @@ void RingPlayer::bring() {
         device_.wait(device_.unanswered() - 1);
     } else if (!next_->writes.empty()) {
         for (std::size_t i = 0; i < parts_.size(); ++i) {  // a record, of which each part has its own
-            auto& [part, payload] = next_->writes.back();
-            submit_to(parts_[part].device, {interface::Command::write, std::move(payload)});
+            auto& [part, request] = next_->writes.back();
+            submit_to(parts_[part].device, std::move(request));
             next_->writes.pop_back();
         }
         device_.wait(most_unanswered);

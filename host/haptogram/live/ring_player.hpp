@@ -50,8 +50,8 @@ private:
         Path path;
         SentRing about;
         std::size_t bank = 0;
-        /// Payloads that are left to be sent, the last one first, and to which part.
-        std::vector<std::pair<std::size_t, link::Bytes>> writes;
+        /// What is left to be written, the last one first, and to which part.
+        std::vector<std::pair<std::size_t, link::Request>> writes;
         std::vector<std::uint16_t> indices;
         std::uint16_t dwell = 0;
         bool begun = false;  ///< a turn of it was pushed
