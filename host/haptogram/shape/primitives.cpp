@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/shape/primitives.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -130,12 +126,6 @@ std::vector<Kind> kinds() {
     };
 }
 
-std::string listed(const std::vector<std::string>& words) {
-    std::string list;
-    for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-    return list;
-}
-
 /// `given` with the defaults of what it leaves out. A measure without a default is one that the shape does not take.
 PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
     std::vector<std::string> takes;
@@ -152,8 +142,8 @@ PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
     complete("turns", given.turns, defaults.turns);
     if (!strange.empty())
         throw bad_argument(strange.front(),
-                           fmt::format("found {} for a {}, expected {}; leave it out", listed(strange), given.kind,
-                                       takes.empty() ? "none" : listed(takes)),
+                           fmt::format("found {} for a {}, expected {}; leave it out", fmt::join(strange, ", "),
+                                       given.kind, takes.empty() ? "none" : fmt::format("{}", fmt::join(takes, ", "))),
                            strange);
     for (const auto& [name, value] : {std::pair{"diameter", given.diameter},
                                       {"length", given.length},
@@ -184,7 +174,8 @@ const Kind& kind_of(const PrimitiveSpec& spec, const std::vector<Kind>& known) {
     for (const Kind& kind : known)
         if (kind.defaults.kind == spec.kind) return kind;
     throw bad_argument(
-        "shape", fmt::format("found \"{}\", expected one of {}; choose one", spec.kind, listed(primitive_kinds())),
+        "shape",
+        fmt::format("found \"{}\", expected one of {}; choose one", spec.kind, fmt::join(primitive_kinds(), ", ")),
         {"shape"});
 }
 
