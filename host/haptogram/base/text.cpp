@@ -93,7 +93,7 @@ std::string printable(std::string_view text) {
 
 std::string shown(std::string_view text) {
     constexpr std::size_t longest = 40;
-    return "\"" + printable(text.substr(0, longest)) + (text.size() > longest ? "…\"" : "\"");
+    return fmt::format("\"{}{}\"", printable(text.substr(0, longest)), text.size() > longest ? "…" : "");
 }
 
 std::string at_line(const std::string& file, std::size_t line) { return fmt::format("{}, line {}", file, line); }
