@@ -28,6 +28,7 @@ LAYERS = {
     "acoustics":  {"on": ["array"], "at": (0, 5), "knows": "waves, fields, transients"},
     "shape":      {"on": ["format"], "at": (3, 4), "knows": "shapes and their paths, files"},
     "solve":      {"on": ["format", "acoustics"], "at": (2, 4), "knows": "foci to drives to records"},
+    "calibration": {"on": ["verbs"], "at": (5, 2), "knows": "what a real array is like"},
     "hand":       {"on": ["verbs"], "at": (1, 2), "knows": "hands, skin, rendering"},
     "scattering": {"on": ["hand"], "at": (2, 1), "knows": "rigid bodies in a sound field"},
     "perception": {"on": ["format", "acoustics"], "at": (1, 4), "knows": "how strong a focus feels"},
@@ -38,7 +39,7 @@ LAYERS = {
     "studio":     {"on": ["hand"], "at": (1, 1), "knows": "the page in the browser"},
     "serve":      {"on": ["verbs"], "at": (5, 1), "knows": "the service for other programs"},
     "c":          {"on": ["sim", "hand"], "at": (4, 0), "knows": "the interface for other languages"},
-    "cli":        {"on": ["scattering", "live", "robot", "sim", "studio", "serve"], "at": (2, 0), "knows": "the program: parse, call, print"},
+    "cli":        {"on": ["calibration", "scattering", "live", "robot", "sim", "studio", "serve"], "at": (2, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli", "c": "host/c", "serve": "host/serve"}
 ROW, GAP = 44, 32  # of the picture, pixels

@@ -59,6 +59,12 @@ std::unique_ptr<LiveBoard> reference_rig(const std::string& configuration, const
 #endif
 #endif
 
+#ifndef HAPTOGRAM_HAS_CALIBRATION
+void add_calibrate(CLI::App& app, Action& action) {
+    add_absent(app, action, "calibrate", "calibration", "calibration in HAPTOGRAM_EXTENSIONS");
+}
+#endif
+
 #ifndef HAPTOGRAM_HAS_HAND
 constexpr auto with_hand = "hand in HAPTOGRAM_EXTENSIONS";
 void add_render(CLI::App& app, Action& action) { add_absent(app, action, "render", "hands", with_hand); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/calibrate.hpp"
+#include "haptogram/calibration/calibrate.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -23,10 +23,10 @@
 #include "haptogram/base/picture.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/calibration/files.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/transfer.hpp"
-#include "haptogram/verbs/calibration_files.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"

@@ -72,7 +72,7 @@ def test_studio_that_is_left_out_says_so(without_both, work):
     assert "HAPTOGRAM_STUDIO=ON" in says(without_both, work, "studio", "--no-browser", expect=USAGE)
 
 
-@pytest.mark.parametrize("command, extension", [("render", "hand"), ("align", "hand"), ("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
+@pytest.mark.parametrize("command, extension", [("calibrate", "calibration"), ("render", "hand"), ("align", "hand"), ("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
 def test_an_extension_that_is_left_out_says_so(without_both, work, command, extension):
     assert f"{extension} in HAPTOGRAM_EXTENSIONS" in says(without_both, work, command, expect=USAGE)
 
@@ -84,7 +84,7 @@ def test_extensions_that_are_not_there_or_needed_by_tests(work):
 
 def test_tests_without_simulation(without_both, folder):
     """The unit tests do not need it."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", "-DHAPTOGRAM_EXTENSIONS=scattering;live;robot", NO_VERILATOR,
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", "-DHAPTOGRAM_EXTENSIONS=calibration;scattering;live;robot", NO_VERILATOR,
               *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=OFF" for name in ("LAPACK", "PNG")))
     build(folder, "test_unit", "haptogram")
     listed = re.findall(r"Test +#\d+: (.*)", run("ctest", "--test-dir", folder, "-N").stdout)

@@ -11,13 +11,13 @@
 #include "haptogram/array/calibration.hpp"
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/calibration/code.hpp"
 #include "haptogram/format/core.hpp"
 #include "haptogram/format/focus_engine.hpp"
 #include "haptogram/solve/even.hpp"
 #include "haptogram/solve/fast_solver.hpp"
 #include "haptogram/solve/focal_law.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/verbs/calibration_code.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

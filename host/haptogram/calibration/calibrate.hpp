@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptogram/array/calibration.hpp"
-#include "haptogram/verbs/calibration_code.hpp"
+#include "haptogram/calibration/code.hpp"
 #include "haptogram/verbs/level.hpp"
 
 namespace haptogram {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/calibration_files.hpp"
+#include "haptogram/calibration/files.hpp"
 
 #include <fmt/format.h>
 

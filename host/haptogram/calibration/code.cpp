@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/calibration_code.hpp"
+#include "haptogram/calibration/code.hpp"
 
 #include <fmt/format.h>
 

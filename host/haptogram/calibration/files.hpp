@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "haptogram/array/vec3.hpp"
-#include "haptogram/verbs/calibrate.hpp"
-#include "haptogram/verbs/calibration_code.hpp"
+#include "haptogram/calibration/calibrate.hpp"
+#include "haptogram/calibration/code.hpp"
 
 namespace haptogram {
 

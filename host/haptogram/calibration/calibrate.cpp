@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/calibrate.hpp"
+#include "haptogram/calibration/calibrate.hpp"
 
 #include <fmt/format.h>
 
