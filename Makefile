@@ -34,7 +34,7 @@ build: ## configure and build everything; PRESET=dev with debugger and sanitizer
 DEMO := $(if $(wildcard build/release/host/cli/haptogram),release,quick)
 demo: ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
 	@$(call configure,$(DEMO))
-	@[ $(DEMO) = release ] || echo "make: building the program, some four minutes on two processors; then 15 seconds for two shapes"
+	@[ $(DEMO) = release ] || echo "make: building the program, some three minutes on two processors; then 15 seconds for two shapes"
 	@cmake --build --preset $(DEMO) --target haptogram
 	@$(PYTHON) tools/demo.py --program build/$(DEMO)/host/cli/haptogram --output build/demo
 
