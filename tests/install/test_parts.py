@@ -77,9 +77,17 @@ def test_an_extension_that_is_left_out_says_so(without_both, work, command, exte
     assert f"{extension} in HAPTOGRAM_EXTENSIONS" in says(without_both, work, command, expect=USAGE)
 
 
+def test_a_hand_where_hands_are_left_out_says_so(without_both, work):
+    (work / "hand.toml").write_text('format = "haptogram-project-1"\n[hand]\nrecording = "synthetic:press"\n')
+    for command in (["compile", "hand.toml", "-o", "hand.hex"], ["feel", "point.hex", "--hand", "synthetic:press"]):
+        assert "hand in HAPTOGRAM_EXTENSIONS" in says(without_both, work, *command, expect=USAGE)
+    assert not (work / "hand.hex").exists()
+
+
 def test_extensions_that_are_not_there_or_needed_by_tests(work):
     assert "there is no extension 'unity'" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=unity", expect=1).stderr.split())
     assert "the tests need all" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=live", expect=1).stderr.split())
+    assert "the studio needs hand" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=", "-DHAPTOGRAM_STUDIO=ON", "-DHAPTOGRAM_TESTS=OFF", expect=1).stderr.split())
 
 
 def test_tests_without_simulation(without_both, folder):
