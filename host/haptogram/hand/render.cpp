@@ -176,6 +176,21 @@ std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame, c
     return skin;
 }
 
+std::function<HandSkin(Vec3)> nearest_skin(std::vector<SkinRegion> skin) {
+    return [skin = std::move(skin)](Vec3 place) {
+        HandSkin nearest;
+        double least = INFINITY;
+        for (const SkinRegion& region : skin) {
+            const SkinPoint point = region.nearest(place);
+            if (const double away = distance(point.position, place); away < least) {
+                least = away;
+                nearest = {point.position, point.normal, std::string(region.name)};
+            }
+        }
+        return nearest;
+    };
+}
+
 bool is_weak(const Leg& leg, const FrameReport& report, double least_force_n) {
     const double tilt = tilt_of(0.5 * (leg.from.position + leg.to.position), leg.from.normal);
     return report.strength_pa * tilt * report.width_m * report.width_m < least_force_n;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/hand/touch.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/feel.hpp"
 
 namespace haptogram {
 
@@ -25,6 +27,9 @@ namespace haptogram {
 /// and as palmar_surface() does, naming the frame
 [[nodiscard]] std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame,
                                               const SkinOptions& options = {});
+
+/// Of all these, the place of the skin nearest to a point, as feel() asks for it.
+[[nodiscard]] std::function<HandSkin(Vec3)> nearest_skin(std::vector<SkinRegion> skin);
 
 struct RenderOptions {
     Algorithm algorithm = Algorithm::intersection;
