@@ -23,7 +23,8 @@ module chain_down #(
     input  wire i_break,    // strobe: it has been low for 20 bits
     output wire o_line,     // to this tile's receiver; in a chain half a bit later than i_line
     output wire o_next,     // to the next tile; always half a bit later
-    output wire o_chained
+    output wire o_chained,
+    output wire o_coming    // a frame, whose two first bytes this tile's receiver does not see
 );
     localparam [3:0] START = 4'd10, LOWEST = 4'd9, STOP = 4'd1, IDLE = 4'd0;
     localparam [1:0] FIRST = 2'd0, SECOND = 2'd1, THIRD = 2'd2;
@@ -49,6 +50,7 @@ module chain_down #(
     assign o_chained = chained_q;
     assign o_line    = chained_q ? own_q : i_line;
     assign o_next    = next_q;
+    assign o_coming  = !i_line || bits_left != IDLE || place_q != FIRST;
 
     always @(posedge clk) begin
         if (sample && place_q == FIRST && bits_left == LOWEST) counts_q <= i_line;

@@ -4,7 +4,8 @@
 //
 // Frames may be lost, damaged or repeated on the line. So each carries a sequence number, and this module takes each once and
 // in order: the expected one is applied; an earlier one has been applied before and is only answered (a read reads again); a
-// later one is refused, and its number stays expected. After reset only IDENTIFY is taken, which says where the numbers begin.
+// later one is refused, and its number stays expected. After reset, and when a session has ended, only IDENTIFY is taken, which says where the
+// numbers begin.
 // Nothing changes before the whole frame has been found good. PUSH is the exception: its indices wait in the live FIFO until
 // o_keep or o_take_back; so do those of PUSH_FOCI, whose words are written to where focus_ring says. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
 // Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
@@ -72,7 +73,8 @@ module command_unit #(
     output reg  [7:0]  o_sequence,
     output reg  [7:0]  o_expected,          // the next sequence number that would be applied
     output wire [15:0] o_read_words,        // words to answer with, from o_address
-    input  wire        i_answered
+    input  wire        i_answered,
+    input  wire        i_ended              // the session has ended, and the present frame was sent before that
 );
     localparam [3:0] LENGTH = 4'd0, HEADER = 4'd1, ARGUMENTS = 4'd2, SETTLE = 4'd3, JUDGE = 4'd4, TAIL = 4'd5,
                      DRAIN = 4'd6, CLOSE = 4'd7, ANSWER = 4'd8;
@@ -89,6 +91,7 @@ module command_unit #(
     reg [1:0]  count_q;                     // arguments taken
     reg        bad_index_q;                 // a PUSH has named an index above RECORDS
     reg        session_q;
+    reg        ended_q;                     // there is none since the last one was ended
     reg [7:0]  session_number_q;            // that of the IDENTIFY which began it
 
     // What command_table says of this command.
@@ -181,7 +184,8 @@ module command_unit #(
             end
 
             JUDGE:
-                if (message ? !session_q || o_sequence != session_number_q : !in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
+                if (i_ended || (ended_q && command_q != `HG_COMMAND_IDENTIFY)) finish(`HG_REPLY_SESSION_ENDED);
+                else if (message ? !session_q || o_sequence != session_number_q : !in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
                 else if (!message && repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
                 else if (i_status != `HG_REPLY_OK) finish(i_status);
                 else if (tail_q) state_q <= TAIL;
@@ -207,6 +211,8 @@ module command_unit #(
             default: if (i_answered) state_q <= LENGTH;  // ANSWER
         endcase
 
+        if (i_ended) session_q <= 1'b0;
+        ended_q <= !rst && (i_ended ? ended_q || session_q : ended_q && !session_q);
         if (rst) begin
             state_q <= LENGTH;
             {session_q, o_execute, o_repeated, o_refused, o_answer} <= 5'd0;

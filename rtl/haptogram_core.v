@@ -27,8 +27,12 @@ module haptogram_core #(
     output wire                o_next,         // to the next tile's i_rx
     input  wire                i_net_valid,    // with NET, bytes of a network port in the place of i_rx, at most one a clock
     input  wire [7:0]          i_net_byte,
-    input  wire                i_net_break,    // strobe: its link was lost, or somebody there asked for outputs to be off
+    input  wire [2:0]          i_net_old,      // what still comes was sent before a switch-off (bit 0), STOP (1), end of a session (2); see udp_link
+    input  wire                i_net_lost,     // strobe: its link was lost
+    input  wire                i_net_end,      // strobe: the session ends, because there is another peer, or anybody asked for outputs to be off
+    input  wire                i_net_off,      // strobe: somebody there asked for outputs to be off
     input  wire                i_net_stop,     // strobe: somebody there asked for a STOP
+    output wire                o_net_off,      // outputs are switched off, and not by what came from there
     output wire                o_net_valid,    // bytes of replies, which end with a zero
     input  wire                i_net_ready,
     output wire [7:0]          o_net_byte,
@@ -82,7 +86,7 @@ module haptogram_core #(
 
     // ---- The link: frames in, replies out
 
-    wire        frame_valid, frame_take, frame_good, frame_damaged, stale, unplayed, stops, heard, line_broken;
+    wire        frame_valid, frame_take, frame_good, frame_damaged, stale, unplayed, stops, ended, heard, line_broken, alone;
     wire        reply_valid, reply_ready, reply_last;
     wire        image, image_valid, image_read, line_valid;  // an image is read out of the flash
     wire [7:0]  image_byte;
@@ -90,18 +94,21 @@ module haptogram_core #(
     wire [15:0] frame_word, reply_word;
 
     link #(
-        .CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .CHAIN(CHAIN), .NET(NET)
+        .CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .CHAIN(CHAIN), .NET(NET), .SDRAM(SDRAM)
     ) serial (
         .clk(clk), .rst(rst),
         .i_rx(i_rx), .o_tx(o_tx), .i_next(i_next), .o_next(o_next),
-        .i_net_valid(i_net_valid), .i_net_byte(i_net_byte), .i_net_break(i_net_break), .i_net_stop(i_net_stop),
+        .i_net_valid(i_net_valid), .i_net_byte(i_net_byte), .i_net_old(i_net_old), .i_net_lost(i_net_lost), .i_net_end(i_net_end),
+        .i_net_off(i_net_off), .i_net_stop(i_net_stop), .i_alone(alone),
         .o_net_valid(o_net_valid), .i_net_ready(i_net_ready), .o_net_byte(o_net_byte),
         .i_image(image), .i_image_valid(image_valid), .i_image_byte(image_byte), .o_line_valid(line_valid),
         .o_valid(frame_valid), .o_word(frame_word), .i_take(frame_take),
         .o_good(frame_good), .o_damaged(frame_damaged),
-        .i_done(execute || repeated || refused), .i_off(stopped || expired || guard_trip || sync_lost),
-        .o_disable(stale), .o_stop(unplayed), .o_stops(stops), .o_heard(heard), .o_break(line_broken),
+        .i_done(execute || repeated || refused), .i_off(o_net_off),
+        .o_disable(stale), .o_stop(unplayed), .o_stops(stops), .o_heard(heard), .o_ended(ended), .o_break(line_broken),
         .i_reply_valid(reply_valid), .o_reply_ready(reply_ready), .i_reply_word(reply_word), .i_reply_last(reply_last));
+
+    assign o_net_off = stopped || expired || guard_trip || sync_lost;
 
     // ---- Commands
 
@@ -141,12 +148,12 @@ module haptogram_core #(
         .i_ring_split(ring_split), .o_streams(stream_takes), .o_close(closes), .i_stream_wait(stream_waits), .i_stream_place(stream_place), .i_stream_address(stream_address),
         .i_stream_keeps(stream_keeps), .i_stream_split(stream_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
         .o_answer(answer), .o_status(status), .o_sequence(sequence_number), .o_expected(expected), .o_read_words(read_words),
-        .i_answered(answered));
+        .i_answered(answered), .i_ended(ended));
 
     // An autostart enables the outputs and turns the watchdog off, as if a host had sent ENABLE and WATCHDOG with 0.
     wire autostart;
     // What was sent before a switch-off (stale) does not enable, and what was sent before a STOP (unplayed) does not play.
-    wire does_enable   = autostart || (execute && command == `HG_COMMAND_ENABLE && !stale);
+    wire does_enable   = autostart || (execute && command == `HG_COMMAND_ENABLE && !stale && !ended);
     wire does_watchdog = autostart || (execute && command == `HG_COMMAND_WATCHDOG);
     wire does_sync     = SYNC != 0 && execute && command == `HG_COMMAND_SYNC;
     wire does_reset    = does_sync || (execute && command == `HG_COMMAND_RESET);
@@ -227,7 +234,7 @@ module haptogram_core #(
         .o_fetching(fetching), .o_sequence_address(sequence_address), .i_sequence_word(sequence_word),
         .i_live_valid(live_valid), .i_live_empty(live_level == 16'd0), .i_live_entry(live_entry), .o_live_take(live_take), .o_live_clear(live_clear),
         .o_preempt(preempt), .o_drop(source_drop), .o_entry(source_entry), .i_take(take && !streams), .o_index(source_index), .o_dwell(source_dwell), .o_tag(source_tag),
-        .o_mode(source_mode), .o_autostart(autostart));
+        .o_mode(source_mode), .o_alone(alone), .o_autostart(autostart));
 
     wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     generate

@@ -53,6 +53,7 @@ module index_source #(
     output wire [15:0] o_dwell,
     output wire [1:0]  o_tag,         // of an entry of a sequence: {it has a mark, a pass begins with it}
     output wire [1:0]  o_mode,
+    output wire        o_alone,      // no host has taken over since power-up
     output wire        o_autostart   // strobe
 );
     localparam [1:0] IDLE = `HG_MODE_IDLE, SINGLE = `HG_MODE_SINGLE, SEQUENCE = `HG_MODE_SEQUENCE, LIVE = `HG_MODE_LIVE;
@@ -95,6 +96,7 @@ module index_source #(
     wire [BITS-1:0] first_d = starts ? i_argument_0[BITS-1:0] : ONE;
 
     assign o_mode             = mode_q | ended_q;  // one of them is IDLE, which is 0
+    assign o_alone            = alone_q;
     assign o_followed         = follows;
     assign o_fetching         = fetch_q[0];
     assign o_sequence_address = header_q ? {BITS{1'b0}} : number_q;

@@ -179,6 +179,7 @@
 `define HG_REPLY_FIFO_FULL 8'h09
 `define HG_REPLY_STOPPED 8'h0a
 `define HG_REPLY_GATE_BUSY 8'h0b
+`define HG_REPLY_SESSION_ENDED 8'h0c
 `define HG_REPLY_OUT_OF_STEP 8'h10
 `define HG_CHAIN_ALL 8'd2
 `define HG_CHAIN_NEAR 8'd3

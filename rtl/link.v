@@ -18,7 +18,8 @@ module link #(
     parameter CLOCK_HZ  = 50000000,
     parameter BAUD      = 1000000,
     parameter CHAIN     = 0,
-    parameter NET       = 0
+    parameter NET       = 0,
+    parameter SDRAM     = 0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -28,8 +29,12 @@ module link #(
     output wire        o_next,       // to its i_rx
     input  wire        i_net_valid,  // a byte
     input  wire [7:0]  i_net_byte,
-    input  wire        i_net_break,  // strobes
+    input  wire [2:0]  i_net_old,    // see urgent_commands
+    input  wire        i_net_lost,   // strobes: see haptogram_core
+    input  wire        i_net_end,
+    input  wire        i_net_off,
     input  wire        i_net_stop,
+    input  wire        i_alone,      // no host has taken over
     output wire        o_net_valid,
     input  wire        i_net_ready,
     output wire [7:0]  o_net_byte,
@@ -48,7 +53,8 @@ module link #(
     output wire        o_stop,
     output wire        o_stops,
     output wire        o_heard,
-    output wire        o_break,      // strobe: the line has been low for 20 bits
+    output wire        o_ended,
+    output wire        o_break,      // strobe: the line has been low for 20 bits, or likewise
     input  wire        i_reply_valid,
     output wire        o_reply_ready,
     input  wire [15:0] i_reply_word,
@@ -70,21 +76,36 @@ module link #(
         if (NET != 0 && REPLY_BYTES > 1024) net_with_too_many_channels error();  // a reply must fit into a datagram
     endgenerate
 
-    wire       data_valid, data_end, data_intact, data_right;
-    wire [7:0] line_byte, data_byte;
-    wire       rx_valid = i_image_valid || o_line_valid;
-    wire [7:0] rx_byte  = i_image_valid ? i_image_byte : line_byte;
+    wire       data_valid, data_end, data_intact, data_right, comes_valid, coming, frame_breaks;
+    wire [7:0] line_byte, data_byte, comes_byte;
+    wire       rx_valid = i_image_valid || comes_valid;
+    wire [7:0] rx_byte  = i_image_valid ? i_image_byte : comes_byte;
+    generate
+        if (SDRAM != 0) begin : beside_image
+            // The zero that ends an image must not take the place of a host's byte. So bytes come a clock later, from the image until there is a gap.
+            reg       late_q, valid_q;
+            reg [7:0] byte_q;
+            always @(posedge clk) begin
+                {valid_q, byte_q} <= {o_line_valid && !rst, line_byte};
+                late_q <= rst || i_image || (late_q && o_line_valid);
+            end
+            assign {comes_valid, comes_byte} = late_q ? {valid_q, byte_q} : {o_line_valid, line_byte};
+        end else begin : at_once
+            assign {comes_valid, comes_byte} = {o_line_valid, line_byte};
+        end
+    endgenerate
     cobs_decoder decoder (
-        .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte),
+        .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte), .i_break(frame_breaks),
         .o_valid(data_valid), .o_byte(data_byte), .o_end(data_end), .o_intact(data_intact));
     frame_receiver #(.WORDS(1 << RING_BITS)) frames (
         .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_intact(data_intact),
         .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_right(data_right), .o_good(o_good), .o_damaged(o_damaged));
     // A frame takes two words of the ring or more.
     urgent_commands #(.FRAMES(1 << (RING_BITS - 1))) urgency (
-        .clk(clk), .rst(rst), .i_arrives(rx_valid), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end),
+        .clk(clk), .rst(rst), .i_coming(coming), .i_arrives(rx_valid), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end),
         .i_right(data_right), .i_good(o_good), .i_done(i_done), .i_off(i_off || o_break), .i_stops(NET != 0 && i_net_stop),
-        .o_disable(o_disable), .o_stop(o_stop), .o_stops(o_stops), .o_heard(o_heard));
+        .i_ends(NET != 0 && !i_image && (i_net_lost || i_net_end)), .i_old(NET != 0 && !i_image ? i_net_old : 3'b000),
+        .o_disable(o_disable), .o_stop(o_stop), .o_stops(o_stops), .o_ended(o_ended), .o_heard(o_heard));
 
     wire       plain_valid, plain_ready, plain_last, made_valid, own_ready;
     wire       own_valid = made_valid && !i_image;
@@ -98,26 +119,30 @@ module link #(
 
     generate
         if (NET != 0) begin : over_network
-            assign {o_line_valid, line_byte, o_break} = {i_net_valid, i_net_byte, i_net_break};
+            // A board that plays by itself needs no network.
+            assign {o_line_valid, line_byte, o_break} = {i_net_valid, i_net_byte, i_net_off || (i_net_lost && !i_alone)};
+            assign {coming, frame_breaks} = {SDRAM != 0 && o_line_valid, 1'b0};  // the port's datagrams end with a zero
             assign {o_net_valid, own_ready, o_net_byte} = {own_valid, i_net_ready, own_byte};
             assign {o_tx, o_next} = 2'b11;
             wire unused = &{1'b0, i_rx, i_next, STEP_64};
         end else begin : over_wires
-            wire       line, own_line, unused_sample, tx_valid, tx_ready;
-            wire [3:0] unused_bits;
+            wire       line, own_line, unused_sample, tx_valid, tx_ready, head;
+            wire [3:0] bits_left;
             wire [7:0] tx_byte;
             synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
             uart_rx #(.STEP(STEP_64[19:0])) receiver (
-                .clk(clk), .rst(rst), .i_line(own_line), .o_byte(line_byte), .o_valid(o_line_valid), .o_sample(unused_sample), .o_bits_left(unused_bits));
+                .clk(clk), .rst(rst), .i_line(own_line), .o_byte(line_byte), .o_valid(o_line_valid), .o_sample(unused_sample), .o_bits_left(bits_left));
             line_break #(.BIT_CLOCKS(CLOCK_HZ / BAUD)) silence (.clk(clk), .rst(rst), .i_line(line), .o_break(o_break));
             uart_tx #(.STEP(STEP_64[19:0])) transmitter (
                 .clk(clk), .rst(rst), .i_valid(tx_valid), .o_ready(tx_ready), .i_byte(tx_byte), .o_line(o_tx));
             assign {o_net_valid, o_net_byte} = 9'd0;
-            wire unused = &{1'b0, unused_sample, unused_bits, i_net_valid, i_net_byte, i_net_break, i_net_stop, i_net_ready};
+            assign coming = !own_line || bits_left != 4'd0 || head;
+            assign frame_breaks = o_break;
+            wire unused = &{1'b0, unused_sample, i_net_valid, i_net_byte, i_net_old, i_net_lost, i_net_end, i_net_off, i_net_stop, i_net_ready, i_alone};
             if (CHAIN != 0) begin : in_chain
                 wire chained, next_line;
                 chain_down #(.STEP(STEP_64[19:0])) down (
-                    .clk(clk), .rst(rst), .i_line(line), .i_break(o_break), .o_line(own_line), .o_next(o_next), .o_chained(chained));
+                    .clk(clk), .rst(rst), .i_line(line), .i_break(o_break), .o_line(own_line), .o_next(o_next), .o_chained(chained), .o_coming(head));
                 synchronizer #(.RESET_VALUE(1'b1)) next_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_next), .o_synchronous(next_line));
                 chain_up #(.STEP(STEP_64[19:0]), .BIT_CLOCKS(CLOCK_HZ / BAUD), .BYTES(2 * REPLY_BYTES)) up (
                     .clk(clk), .rst(rst), .i_chained(chained), .i_next(next_line),
@@ -126,7 +151,7 @@ module link #(
             end else begin : alone
                 assign own_line = line;
                 assign {tx_valid, own_ready, tx_byte} = {own_valid, tx_ready, own_byte};
-                assign o_next = 1'b1;
+                assign {o_next, head} = 2'b10;
                 wire unused_next = &{1'b0, i_next};
             end
         end

@@ -5,10 +5,12 @@
 // A hand must not feel anything for the third of a second that 16 answers take on a slow line. So this looks at the bytes of each
 // frame beside frame_receiver: a DISABLE or STOP with a right CRC acts at once, whatever its sequence number, whatever waits, and also
 // when there is no room for it. i_off says that something else has switched outputs off: a break, the stop input, the watchdog, the
-// guard, loss of SYNC. In each of these cases the frames that wait, and one that is still arriving, count as answered and not as done:
-// o_disable is high from the next clock on until the last of them has been carried out or refused. o_stop is the same for STOP alone,
-// and o_stops strobes when that begins and when it ends, because a GATE in between may have been carried out. o_heard strobes at each
-// DISABLE or STOP. i_stops is a STOP that came another way.
+// guard, loss of SYNC, or a DISABLE that a network port has seen. In each of these cases all that is on its way (old_frames.v) counts as
+// answered and not as done: o_disable is high from the next clock on until the last of it has been carried out or refused.
+// o_stop is the same for STOP alone, and o_stops strobes when that begins and when it ends, because a GATE in between may have been carried
+// out; i_stops is a STOP that came another way. o_ended is the same for the end of a session, i_ends. o_heard strobes at each DISABLE or STOP.
+// i_coming: the line is not idle, or a byte of it is on its way here. What reaches the line two clocks before i_off was there, too.
+// i_old: what still comes out of a network port was sent before the last of the port's own switch-offs (bit 0), STOPs (1), ends of a session (2).
 // FRAMES is how many frames can wait at most.
 `default_nettype none
 `include "interface.vh"
@@ -17,6 +19,7 @@ module urgent_commands #(
 ) (
     input  wire       clk,
     input  wire       rst,
+    input  wire       i_coming,
     input  wire       i_arrives,   // strobe: a byte of the line, also a code byte of COBS
     input  wire       i_valid,     // bytes of a frame, from cobs_decoder
     input  wire [7:0] i_byte,
@@ -26,47 +29,50 @@ module urgent_commands #(
     input  wire       i_done,      // strobe from command_unit: one more frame was carried out or refused
     input  wire       i_off,       // outputs are switched off
     input  wire       i_stops,     // strobe
-    output reg        o_disable,
-    output reg        o_stop,
+    input  wire       i_ends,      // strobe
+    input  wire [2:0] i_old,
+    output wire       o_disable,
+    output wire       o_stop,
     output reg        o_stops,     // strobe
+    output wire       o_ended,
     output reg        o_heard      // strobe
 );
     localparam BITS = $clog2(FRAMES + 1);
-    localparam [BITS-1:0] NONE = 0, ONE = 1;
 
     reg [2:0] count_q;      // bytes of this frame so far; 5 is more than these commands have, with their CRC
     reg       disables_q, stops_q;
     reg       begun_q;      // a frame is arriving
-    reg       old_q;        // and outputs were switched off meanwhile
+    reg [1:0] off_q;        // outputs were switched off a clock ago, and two
     reg [BITS-1:0] waiting_q;  // frames that have arrived and are not done
-    reg [BITS-1:0] disable_left_q, stop_left_q;  // of those, up to and with the last that came before a switch-off, before a STOP
     wire [BITS-1:0] waiting_d = waiting_q + {{(BITS-1){1'b0}}, i_good} - {{(BITS-1){1'b0}}, i_done};
     wire acts  = i_right && count_q == 3'd4 && (disables_q || stops_q);
-    wire off   = i_off || (acts && disables_q) || (i_good && old_q);
-    wire stops = i_stops || (acts && stops_q);
-    wire [BITS-1:0] disable_left_d = off ? waiting_d : disable_left_q - {{(BITS-1){1'b0}}, i_done && disable_left_q != NONE};
-    // Whether none will be left, without the sum that waiting_d is.
-    wire disable_ends = disable_left_q == NONE || (disable_left_q == ONE && i_done);
-    wire stop_ends    = stop_left_q == NONE || (stop_left_q == ONE && i_done);
-    wire [BITS-1:0] stop_left_d    = stops ? waiting_d : stop_left_q - {{(BITS-1){1'b0}}, i_done && stop_left_q != NONE};
+    wire begun = begun_q || i_arrives || i_coming;
+    wire stop_ends, unused_ends, unused_off_ends;
+    wire unused = &{1'b0, unused_ends, unused_off_ends};
+
+    old_frames #(.FRAMES(FRAMES)) off (
+        .clk(clk), .rst(rst), .i_event(i_off), .i_acts(acts && disables_q), .i_old(i_old[0]), .i_near(i_coming && !begun_q && off_q != 2'b00),
+        .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_disable), .o_ends(unused_off_ends));
+    old_frames #(.FRAMES(FRAMES)) stop (
+        .clk(clk), .rst(rst), .i_event(i_stops), .i_acts(acts && stops_q), .i_old(i_old[1]), .i_near(1'b0),
+        .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_stop), .o_ends(stop_ends));
+    old_frames #(.FRAMES(FRAMES)) session (
+        .clk(clk), .rst(rst), .i_event(i_ends), .i_acts(1'b0), .i_old(i_old[2]), .i_near(1'b0),
+        .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_ended), .o_ends(unused_ends));
 
     always @(posedge clk) begin
         if (i_valid && count_q == 3'd1) {disables_q, stops_q} <= {i_byte == `HG_COMMAND_DISABLE, i_byte == `HG_COMMAND_STOP};
         if (rst) begin
             count_q <= 3'd0;
-            {begun_q, old_q, o_disable, o_stop, o_stops, o_heard} <= 6'd0;
-            {waiting_q, disable_left_q, stop_left_q} <= {3*BITS{1'b0}};
+            {begun_q, off_q, o_stops, o_heard} <= 5'd0;
+            waiting_q <= {BITS{1'b0}};
         end else begin
             if (i_end) count_q <= 3'd0;
             else if (i_valid && count_q != 3'd5) count_q <= count_q + 1'b1;
             begun_q   <= !i_end && (begun_q || i_arrives);
-            old_q     <= !i_end && (old_q || (i_off && (begun_q || i_arrives)));
+            off_q     <= {off_q[0], i_off};
             waiting_q <= waiting_d;
-            disable_left_q <= disable_left_d;
-            stop_left_q    <= stop_left_d;
-            o_disable <= off || !disable_ends;
-            o_stop    <= stops || !stop_ends;
-            o_stops   <= stops || (stop_left_q == ONE && i_done);
+            o_stops   <= i_stops || (acts && stops_q) || stop_ends;
             o_heard   <= acts || i_stops;
         end
     end

@@ -21,6 +21,7 @@ public:
              sync = false, trigger = false, test = false,
              next = true;                 ///< the serial line to the next tile of a chain
         std::optional<std::uint8_t> net;  ///< a byte for the network port, which takes it in this clock
+        bool net_off = false;  ///< for the network port: outputs are switched off in the clock that follows
         std::uint16_t index = 0;
         std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
     };
@@ -35,7 +36,9 @@ public:
         bool reset = false, rx = true, stop = false, sync = false, trigger = false;
         bool next = true;                   ///< the serial line from the next tile
         std::optional<std::uint8_t> net{};  ///< a byte from the network port
-        bool net_break = false, net_stop = false;
+        /// What the port says beside it, see rtl/haptogram_core.v.
+        bool net_lost = false, net_end = false, net_off = false, net_stop = false;
+        std::uint8_t net_old = 0;
     };
 
     /// One rising clock edge with these inputs; `outputs` is what follows it.

@@ -336,4 +336,5 @@ class Status(enum.IntEnum):
     FIFO_FULL = 0x09
     STOPPED = 0x0a
     GATE_BUSY = 0x0b
+    SESSION_ENDED = 0x0c
     OUT_OF_STEP = 0x10

@@ -124,10 +124,11 @@ module ecp5_board #(
     initial rst = 1'b1;
     always @(posedge clk) rst <= starting;
 
-    wire       net_valid, net_break, net_stop, reply_valid, reply_ready;
+    wire       net_valid, net_lost, net_end, net_off, net_stop, core_off, reply_valid, reply_ready;
     wire [7:0] net_byte, reply_byte;
     wire [4:0] identity_place;
     wire [15:0] identity_word;
+    wire [2:0]  net_old;
 `ifdef HG_NET
     wire       net_clk, net_dv, net_er, net_en;
     wire [7:0] net_data, net_sent;
@@ -137,11 +138,11 @@ module ecp5_board #(
     udp_link #(.MAC(48'h`HG_NET_MAC), .IP(32'h`HG_NET_IP)) network (
         .eth_clk(net_clk), .i_dv(net_dv), .i_er(net_er), .i_data(net_data), .o_en(net_en), .o_data(net_sent),
         .clk(clk), .rst(rst), .o_valid(net_valid), .o_byte(net_byte), .i_take(net_valid), .i_valid(reply_valid), .o_ready(reply_ready),
-        .i_byte(reply_byte), .o_break(net_break), .o_stop(net_stop), .i_enabled(enabled),
+        .i_byte(reply_byte), .o_old(net_old), .o_lost(net_lost), .o_end(net_end), .o_off(net_off), .o_stop(net_stop), .i_off(core_off), .i_enabled(enabled),
         .o_identity_place(identity_place), .i_identity_word(identity_word));
     assign rx = 1'b1;
 `else
-    assign {net_valid, net_byte, net_break, net_stop, reply_ready, identity_place} = 17'd0;
+    assign {net_valid, net_byte, net_old, net_lost, net_end, net_off, net_stop, reply_ready, identity_place} = 22'd0;
     assign rx = i_rx;
     assign o_tx = tx;
 `endif
@@ -167,7 +168,7 @@ module ecp5_board #(
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
         .clk(clk), .rst(rst), .i_rx(rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .i_trigger(trigger_in), .o_trigger(trigger_out), .o_test(test_out), .o_tx(tx), .i_next(next_in), .o_next(next_out),
-        .i_net_valid(net_valid), .i_net_byte(net_byte), .i_net_break(net_break), .i_net_stop(net_stop), .o_net_valid(reply_valid),
+        .i_net_valid(net_valid), .i_net_byte(net_byte), .i_net_old(net_old), .i_net_lost(net_lost), .i_net_end(net_end), .i_net_off(net_off), .i_net_stop(net_stop), .o_net_off(core_off), .o_net_valid(reply_valid),
         .i_net_ready(reply_ready), .o_net_byte(reply_byte), .i_identity_place(identity_place), .o_identity_word(identity_word),
         .o_sdram_command(sdram_command), .o_sdram_bank(sdram_bank), .o_sdram_address(sdram_address), .o_sdram_data(sdram_data),
         .o_sdram_drive(sdram_drive), .i_sdram_data(sdram_word), .o_flash_cs_n(flash_cs_n), .o_flash_clk(flash_clk), .o_flash_data(to_flash), .i_flash_data(from_flash), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),

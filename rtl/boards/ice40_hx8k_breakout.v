@@ -33,7 +33,7 @@ module ice40_hx8k_breakout #(
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
         .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .i_sync(1'b0), .o_sync(), .i_trigger(1'b0), .o_trigger(), .o_test(), .o_tx(o_tx), .i_next(1'b1), .o_next(),
-        .i_net_valid(1'b0), .i_net_byte(8'd0), .i_net_break(1'b0), .i_net_stop(1'b0), .o_net_valid(), .i_net_ready(1'b0), .o_net_byte(), .i_identity_place(5'd0), .o_identity_word(),
+        .i_net_valid(1'b0), .i_net_byte(8'd0), .i_net_old(3'd0), .i_net_lost(1'b0), .i_net_end(1'b0), .i_net_off(1'b0), .i_net_stop(1'b0), .o_net_off(), .o_net_valid(), .i_net_ready(1'b0), .o_net_byte(), .i_identity_place(5'd0), .o_identity_word(),
         .o_sdram_command(), .o_sdram_bank(), .o_sdram_address(), .o_sdram_data(), .o_sdram_drive(), .i_sdram_data(32'd0), .o_flash_cs_n(), .o_flash_clk(), .o_flash_data(), .i_flash_data(1'b1),
         .o_pins(pins), .o_enabled(o_driver_enable), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));

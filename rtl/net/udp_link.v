@@ -4,8 +4,11 @@
 // bytes of replies go back to it. The modules beside this one do it; README.md shows them, INTERFACE.md says what a host sees.
 //
 // eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII, and between frames i_data is what RGMII has there, the PHY's status. In clk's domain o_byte is a
-// valid/take stream of whole, checked datagrams, and i_byte a valid/ready stream of replies that end with a zero each. o_break strobes when the
-// link is lost and when anybody sends DISABLE to the open port, o_stop for a STOP there.
+// valid/take stream of whole, checked datagrams, each with a zero at its end, and i_byte a valid/ready stream of replies that end with a zero each.
+// o_lost strobes when the link is lost. o_off strobes at the end of a datagram of the peer with a DISABLE in it, and when anybody sends that to the
+// open port; o_stop for a STOP. o_end: a session ends, because anybody has sent DISABLE, or there is another peer. i_off (level or strobe) is high when
+// the instrument switches its outputs off. What is anywhere in here in one of these clocks, or arriving, is old: o_old is high as long as
+// there is some of it, bit 0 for o_off and i_off, 1 for o_stop, 2 for o_lost, reset, and DISABLE of anybody.
 // RX_BITS: there is room for 2^RX_BITS bytes of datagrams. PEER_CLOCKS, GATHER_CLOCKS: of eth_clk, after which a silent peer is none, and a reply goes.
 `default_nettype none
 module udp_link #(
@@ -30,24 +33,30 @@ module udp_link #(
     input  wire        i_valid,
     output wire        o_ready,
     input  wire [7:0]  i_byte,
-    output wire        o_break,
+    output wire [2:0]  o_old,
+    output wire        o_lost,
+    output wire        o_end,
+    output wire        o_off,
     output wire        o_stop,
+    input  wire        i_off,
     input  wire        i_enabled,         // for the open port to tell
     output wire [4:0]  o_identity_place,  // of a word of the identity block, which is combinational
     input  wire [15:0] i_identity_word
 );
     localparam REPLY_BITS = 10;
 
-    wire link, lost;
+    wire link, runs, runs_there;
     reg  eth_rst;
     initial eth_rst = 1'b1;
-    always @(posedge eth_clk) eth_rst <= !link;
+    // So what is left of a datagram in which the PHY's clock has stopped for long is none.
+    synchronizer #(.RESET_VALUE(1'b0)) runs_crossing (.clk(eth_clk), .rst(1'b0), .i_foreign(runs), .o_synchronous(runs_there));
+    always @(posedge eth_clk) eth_rst <= !link || !runs_there;
     link_status status (.clk(eth_clk), .i_dv(i_dv), .i_er(i_er), .i_status(i_data[2:0]), .o_link(link));
-    link_watch watch (.eth_clk(eth_clk), .i_link(link), .clk(clk), .rst(rst), .o_lost(lost));
+    link_watch watch (.eth_clk(eth_clk), .i_link(link), .clk(clk), .rst(rst), .o_lost(o_lost), .o_runs(runs));
 
     // ---- In
 
-    wire        rx_valid, rx_end, rx_good, write, full, commit, drop, address, come, gone, taken, may, held;
+    wire        rx_valid, rx_end, rx_good, write, full, commit, drop, address, come, gone, taken, may, changed, held, early_disable, early_stop;
     wire        answer, answered, disable_asked, stop_asked, accepted, refused, damaged;
     wire [1:0]  answer_kind;
     wire [3:0]  address_place;
@@ -65,15 +74,28 @@ module udp_link #(
         .o_answer(answer), .o_answer_kind(answer_kind), .o_answer_length(answer_length), .o_answer_sum(answer_sum), .o_asked(asked),
         .i_answered(answered), .o_disable(disable_asked), .o_stop(stop_asked),
         .o_accepted(accepted), .o_refused(refused), .o_damaged(damaged));
-    // What was sent before a break switches nothing on afterwards, so it is forgotten where it waits.
+    early_commands early (
+        .clk(eth_clk), .rst(eth_rst), .i_write(write), .i_byte(data), .i_gone(commit || drop), .o_disable(early_disable), .o_stop(early_stop));
+    wire [RX_BITS:0] committed, fetched;
     datagram_fifo #(.BITS(RX_BITS)) arrived (
-        .i_clk(eth_clk), .i_write(write), .i_byte(data), .i_commit(commit), .i_drop(drop), .o_full(full),
-        .o_clk(clk), .o_valid(o_valid), .o_byte(o_byte), .i_take(i_take), .i_flush(o_break));
+        .i_clk(eth_clk), .i_write(write), .i_byte(data), .i_commit(commit), .i_drop(drop), .o_full(full), .o_start(committed),
+        .o_clk(clk), .o_valid(o_valid), .o_byte(o_byte), .i_take(i_take), .o_taken(fetched));
 
-    wire disable_crossed;
-    strobe_crossing off (.i_clk(eth_clk), .i_strobe(disable_asked), .o_clk(clk), .o_strobe(disable_crossed));
-    strobe_crossing stop (.i_clk(eth_clk), .i_strobe(stop_asked), .o_clk(clk), .o_strobe(o_stop));
-    assign o_break = lost || disable_crossed;
+    // ---- What happens, and what is old then. Nothing of a new peer is: its address is known before its datagram is here.
+
+    wire anybodys, said = taken && may;
+    strobe_crossing off (.i_clk(eth_clk), .i_strobe(disable_asked || (said && early_disable)), .o_clk(clk), .o_strobe(o_off));
+    strobe_crossing stop (.i_clk(eth_clk), .i_strobe(stop_asked || (said && early_stop)), .o_clk(clk), .o_strobe(o_stop));
+    strobe_crossing anybody (.i_clk(eth_clk), .i_strobe(disable_asked), .o_clk(clk), .o_strobe(anybodys));
+    wire changes;
+    strobe_crossing peer_changes (.i_clk(eth_clk), .i_strobe(changed), .o_clk(clk), .o_strobe(changes));
+    assign o_end = anybodys || changes;
+    datagram_mark #(.BITS(RX_BITS)) at_off (
+        .i_clk(eth_clk), .i_dv(i_dv), .i_start(committed), .o_clk(clk), .i_mark(i_off || o_off), .i_taken(fetched), .o_old(o_old[0]));
+    datagram_mark #(.BITS(RX_BITS)) at_stop (
+        .i_clk(eth_clk), .i_dv(i_dv), .i_start(committed), .o_clk(clk), .i_mark(o_stop), .i_taken(fetched), .o_old(o_old[1]));
+    datagram_mark #(.BITS(RX_BITS)) at_end (
+        .i_clk(eth_clk), .i_dv(i_dv), .i_start(committed), .o_clk(clk), .i_mark(o_lost || anybodys || rst), .i_taken(fetched), .o_old(o_old[2]));
 
     // ---- Who
 
@@ -82,7 +104,7 @@ module udp_link #(
     wire [7:0] peer_byte;
     peers #(.PEER_CLOCKS(PEER_CLOCKS)) who (
         .clk(eth_clk), .rst(eth_rst), .i_address(address), .i_place(address_place), .i_byte(come_byte), .i_come(come), .i_gone(gone),
-        .i_taken(taken), .o_may(may), .o_held(held), .i_keeps_asker(answer), .i_keeps_peer(keeps_peer),
+        .i_taken(taken), .o_may(may), .o_changed(changed), .o_held(held), .i_keeps_asker(answer), .i_keeps_peer(keeps_peer),
         .i_reads_asker(reads_asker), .i_read_place(peer_place), .o_read_byte(peer_byte));
 
     // ---- Out; what the core says before its reset is nothing
@@ -97,11 +119,13 @@ module udp_link #(
     end
 
     wire       enabled;
+    reg        were_on_q;  // as the frame came that is answered
+    always @(posedge eth_clk) if (!answer) were_on_q <= enabled;
     wire [5:0] about_place;
     wire [7:0] about_byte;
     synchronizer #(.RESET_VALUE(1'b0)) enabled_crossing (.clk(eth_clk), .rst(1'b0), .i_foreign(i_enabled), .o_synchronous(enabled));
     about_block about (
-        .clk(eth_clk), .i_place(about_place), .i_command(asked), .i_flags({6'd0, enabled, held}),
+        .clk(eth_clk), .i_place(about_place), .i_command(asked), .i_flags({6'd0, were_on_q, held}),
         .o_identity_place(o_identity_place), .i_identity_word(i_identity_word),
         .i_accepted(accepted), .i_refused(refused), .i_damaged(damaged), .o_byte(about_byte));
 

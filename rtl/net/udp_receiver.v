@@ -3,7 +3,8 @@
 // Takes out of Ethernet frames what is for this board: the peer's datagrams to PORT, what anybody may ask of PORT + 1 (the open port), and
 // what has to be echoed: ARP requests for IP, ICMP echo requests. INTERFACE.md says what makes a datagram good.
 //
-// Bytes of a payload go out as they come (o_write, o_byte), before it is known whether they are good. Then o_commit or o_drop strobes, in a
+// Bytes of a payload go out as they come (o_write, o_byte), before it is known whether they are good, and a zero behind the last if that is none:
+// a frame ends with its datagram. Then o_commit or o_drop strobes, in a
 // clock without o_write. i_full says that a byte found no room, for which the datagram is dropped, too.
 // The frame is also written into a memory of answers, from place 0 on. When it must be answered, o_answer is high until i_answered, with what
 // answer it is, and what comes meanwhile is not answered. peers.v knows who sends: it compares while the frame comes.
@@ -201,10 +202,14 @@ module udp_receiver #(
     assign o_address       = valid_q && in_address_q;
     assign o_address_place = address_q;
     assign {o_come, o_come_byte, o_come_place} = {valid_q, byte_q, place_q};
+    reg  unended_q;  // the payload's last byte so far is no zero
+    wire to_write = valid_q && in_payload_q && ipv4_q && mine_q && ip_q && udp_q && port_q && !rst;
     initial {o_write, o_commit, o_drop, o_accepted, o_refused, o_damaged, o_disable, o_stop} = 8'd0;
     always @(posedge clk) begin
-        o_write    <= valid_q && in_payload_q && ipv4_q && mine_q && ip_q && udp_q && port_q && !done_q && !rst;
-        o_byte     <= byte_q;
+        o_write    <= to_write && (!done_q || unended_q);
+        o_byte     <= done_q ? 8'd0 : byte_q;
+        if (gone_q || rst) unended_q <= 1'b0;
+        else if (to_write) unended_q <= !done_q && !zero;
         o_commit   <= keeps;
         o_drop     <= rst || (gone_q && !keeps);
         o_accepted <= keeps;

@@ -20,7 +20,7 @@ module cobs_roundtrip #(
         .clk(clk), .rst(rst), .i_valid(1'b1), .o_ready(ready), .i_byte(i_byte), .i_last(i_last),
         .o_valid(line_valid), .i_ready(1'b1), .o_byte(line_byte));
     cobs_decoder decoder (
-        .clk(clk), .rst(rst), .i_valid(line_valid), .i_byte(line_byte),
+        .clk(clk), .rst(rst), .i_valid(line_valid), .i_byte(line_byte), .i_break(1'b0),
         .o_valid(out_valid), .o_byte(out_byte), .o_end(out_end), .o_intact(out_intact));
 
     reg       f_reset_seen_q, f_complete_q;

@@ -55,7 +55,7 @@ def model(proof, folder, bug=None):
         prep -flatten -nordff
         memory_nordff
         memory_map
-        async2sync
+        {'clk2fflogic' if proof.get('clocks') else 'async2sync'}
         dffunmap
         opt_clean
         check -assert

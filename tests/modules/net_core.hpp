@@ -33,11 +33,14 @@ public:
     std::vector<link::Reply> replies;
     double now_ns = 0;
     std::uint8_t phy_status = 0xdd;  ///< what the PHY tells between frames: a link of 1 Gbit/s
+    bool clock_runs = true;          ///< the PHY's; what comes while it does not waits for it
+    std::deque<double> begun;        ///< when the first bit of each frame came that was sent since it was cleared
+    std::deque<double> ended;        ///< and when its last byte had come
     bool rests = false;  ///< the PHY's clock is slow while nothing comes in: quicker, but answers are late then
     std::function<void()> before_clock = [] {};  ///< what is looked at before each rising edge of the core's clock
 
     Network() {
-        bench->eth_clk = bench->i_dv = bench->i_data = 0;
+        bench->eth_clk = bench->i_dv = bench->i_data = bench->i_stop = 0;
         if (has_sdram) chip_.scramble(static_cast<std::uint32_t>(bench.random()));
         run(2000);
         bench->rst = 0;
@@ -57,6 +60,10 @@ public:
     }
     Bytes frame(Command command, const Bytes& payload = {}) {
         return link::encode_request(number_++, command, payload);
+    }
+    /// As a host sends again what was not answered.
+    [[nodiscard]] static Bytes again(unsigned number, Command command, const Bytes& payload = {}) {
+        return link::encode_request(static_cast<std::uint8_t>(number), command, payload);
     }
 
     /// Frames one behind the other, which a sum of two calls would not promise.
@@ -81,6 +88,10 @@ public:
 private:
     void step() {
         while (next_clk_ps_ <= time_ps_) core_edge();
+        if (!clock_runs) {
+            time_ps_ += half_eth_ps;
+            return;
+        }
         const bool rises = !bench->eth_clk;
         if (rises) {
             if (bench->o_en)
@@ -101,11 +112,15 @@ private:
         if (!sends) bench->i_data = phy_status;
         if (sends) {
             active_ps_ = time_ps_;
+            if (!coming_) begun.push_back(1e-3 * static_cast<double>(time_ps_));
+            coming_ = true;
             bench->i_data = line_.front();
             line_.pop_front();
             if (--ends_.front() == 0) {
                 ends_.pop_front();
                 gap_ = 12;
+                coming_ = false;
+                ended.push_back(1e-3 * static_cast<double>(time_ps_));
             }
         }
         bench->eval();
@@ -139,7 +154,7 @@ private:
     long time_ps_ = 0, next_clk_ps_ = 5003, gap_ = 0, active_ps_ = 0;
     std::deque<std::uint8_t> line_;
     std::deque<std::size_t> ends_;
-    bool listens_ = false;
+    bool listens_ = false, coming_ = false;
     Bytes frame_;
     link::ReplyDecoder decoder_;
     std::uint8_t number_ = 7;

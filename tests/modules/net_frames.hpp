@@ -115,6 +115,7 @@ public:
         std::optional<Bytes> core;    ///< bytes for the instrument
         std::optional<Bytes> answer;  ///< a frame that is sent back, with padding, without FCS
         bool disable = false, stop = false;
+        bool changed = false;  ///< there is another peer than before
     };
     unsigned accepted = 0, refused = 0, damaged = 0;
     bool enabled = false;
@@ -205,15 +206,19 @@ private:
             ++refused;
             return {};
         }
-        peer_ = from;
+        const bool changed = last_ != from;
+        last_ = peer_ = from;
         heard_ = now;
         ++(room ? accepted : damaged);
-        return {room ? std::optional(payload) : std::nullopt, {}};
+        Outcome outcome;
+        outcome.changed = changed;
+        if (room) outcome.core = payload.empty() || payload.back() == 0 ? payload : payload + Bytes{0};
+        return outcome;
     }
 
     Bytes identity_;
     long peer_clocks_, heard_ = 0;
-    std::optional<Address> peer_;
+    std::optional<Address> peer_, last_;
 };
 
 }  // namespace net

@@ -93,7 +93,7 @@ class Model:
         if self.peer not in (None, sender):
             return (REFUSED, *NOTHING[1:])
         self.peer = sender
-        return (ACCEPTED, 0, 0, 0, 0, payload)
+        return (ACCEPTED, 0, 0, 0, 0, payload + b"\0" if payload and payload[-1] else payload)  # a frame ends with its datagram
 
 
 # ---- Frames

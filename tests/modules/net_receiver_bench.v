@@ -25,10 +25,10 @@ module net_receiver_bench #(
     wire       valid, ended, good, address, come, gone, taken, may;
     wire [7:0] data, come_byte;
     wire [3:0] place;
-    wire       held;
+    wire       held, changed;
     wire [7:0] peer_byte;
     wire [10:0] come_place;
-    wire       unused = &{1'b0, held, peer_byte, come_place};
+    wire       unused = &{1'b0, held, changed, peer_byte, come_place};
     eth_receiver frames (
         .clk(clk), .rst(rst), .i_dv(i_dv), .i_er(i_er), .i_data(i_data), .o_valid(valid), .o_byte(data), .o_end(ended), .o_good(good));
     udp_receiver datagrams (
@@ -40,6 +40,6 @@ module net_receiver_bench #(
         .o_accepted(o_counts[0]), .o_refused(o_counts[1]), .o_damaged(o_counts[2]));
     peers #(.PEER_CLOCKS(PEER_CLOCKS)) who (
         .clk(clk), .rst(rst), .i_address(address), .i_place(place), .i_byte(come_byte), .i_come(come), .i_gone(gone), .i_taken(taken),
-        .o_may(may), .o_held(held), .i_keeps_asker(1'b0), .i_keeps_peer(1'b0), .i_reads_asker(1'b0), .i_read_place(4'd0), .o_read_byte(peer_byte));
+        .o_may(may), .o_changed(changed), .o_held(held), .i_keeps_asker(1'b0), .i_keeps_peer(1'b0), .i_reads_asker(1'b0), .i_read_place(4'd0), .o_read_byte(peer_byte));
 endmodule
 `default_nettype wire

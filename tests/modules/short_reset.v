@@ -16,7 +16,7 @@ module short_reset;
         .MODULATION_DEPTH(WIDE ? 64 : 0), .SLEW(WIDE), .FOCI(WIDE ? 8 : 0), .SCHEDULE(MANY), .SYNC(MANY), .CHAIN(MANY), .TRIGGER(MANY)
     ) core (
         .clk(clk), .rst(rst), .i_rx(1'b1), .i_stop(1'b0), .i_sync(1'b0), .i_trigger(1'b0), .o_trigger(trigger), .o_test(test), .o_sync(sync), .o_tx(tx), .i_next(1'b1), .o_next(next),
-        .i_net_valid(1'b0), .i_net_byte(8'd0), .i_net_break(1'b0), .i_net_stop(1'b0), .o_net_valid(), .i_net_ready(1'b0), .o_net_byte(), .i_identity_place(5'd0), .o_identity_word(),
+        .i_net_valid(1'b0), .i_net_byte(8'd0), .i_net_old(3'd0), .i_net_lost(1'b0), .i_net_end(1'b0), .i_net_off(1'b0), .i_net_stop(1'b0), .o_net_off(), .o_net_valid(), .i_net_ready(1'b0), .o_net_byte(), .i_identity_place(5'd0), .o_identity_word(),
         .o_sdram_command(), .o_sdram_bank(), .o_sdram_address(), .o_sdram_data(), .o_sdram_drive(), .i_sdram_data(32'd0), .o_flash_cs_n(), .o_flash_clk(), .o_flash_data(), .i_flash_data(1'b1),
         .o_pins(pins),
         .o_enabled(enabled), .o_alive(alive), .o_playing(playing), .o_fault(fault), .o_index(index), .o_cycle_start(cycle_start));

@@ -490,6 +490,7 @@ enum class Status : std::uint8_t {
     fifo_full = 0x09,
     stopped = 0x0a,
     gate_busy = 0x0b,
+    session_ended = 0x0c,
     out_of_step = 0x10,
 };
 
@@ -587,6 +588,7 @@ constexpr std::string_view to_string(Status status) {
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
         case Status::stopped: return "stopped: the stop input is active; release it, then enable";
         case Status::gate_busy: return "gate_busy: something waits for another carrier period already; wait until it has begun, or stop";
+        case Status::session_ended: return "session_ended: the session that this frame belongs to has ended, see over Ethernet, and none has begun since. Nothing was done, but disable and stop have acted. Nothing of that session is to be sent again: say so to whoever asked, then identify";
         case Status::out_of_step: return "out_of_step: the board is a slave and not in step with SYNC; look at its status, wait until it is, then enable";
     }
     return "unknown status";
