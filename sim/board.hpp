@@ -103,10 +103,12 @@ public:
     /// Holds the receiver's line at a level, as noise or a broken cable would; an empty value lets go.
     virtual void force_line(std::optional<bool> level) = 0;
     virtual void unplug() = 0;
-    /// Of a board with a network port, whose bytes send() and receive() carry, one a clock each: its link is lost, or
-    /// somebody turns its outputs off; and somebody sends a STOP. On other boards nothing comes of it.
+    /// Of a board with a network port, whose bytes send() and receive() carry, one a clock each: somebody turns its
+    /// outputs off, or sends a STOP; its link is lost; there is another peer. On other boards nothing comes of it.
     virtual void network_break() = 0;
     virtual void network_stop() = 0;
+    virtual void network_lost() = 0;
+    virtual void network_end() = 0;
     /// Presses the stop switch, or releases it.
     virtual void press_stop(bool pressed) = 0;
     /// The level at the wire SYNC, of boards that have it.

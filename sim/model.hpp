@@ -21,7 +21,7 @@ public:
              sync = false, trigger = false, test = false,
              next = true;                 ///< the serial line to the next tile of a chain
         std::optional<std::uint8_t> net;  ///< a byte for the network port, which takes it in this clock
-        bool net_off = false;  ///< for the network port: outputs are switched off in the clock that follows
+        bool net_off = false;             ///< for the network port: outputs are switched off in the clock that follows
         std::uint16_t index = 0;
         std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
     };

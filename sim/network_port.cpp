@@ -138,10 +138,12 @@ void NetworkPort::take(const Datagram& datagram, std::vector<std::uint8_t>& byte
         ++counters_.refused;
         return;
     }
-    peer_ = datagram.who;
+    if (last_peer_ && !same(*last_peer_, datagram.who)) board_.network_end();
+    last_peer_ = peer_ = datagram.who;
     heard_ = now;
     ++counters_.accepted;
     bytes.insert(bytes.end(), datagram.bytes.begin(), datagram.bytes.end());
+    if (!datagram.bytes.empty() && datagram.bytes.back() != 0) bytes.push_back(0);  // a frame ends with its datagram
 }
 
 /// Of the open port.

@@ -67,7 +67,7 @@ private:
     std::mt19937 random_;
     std::deque<Datagram> in_, out_;
     std::vector<std::uint8_t> replies_, identity_;  // replies_: those that are not whole yet, too
-    std::optional<sockaddr_in> peer_;
+    std::optional<sockaddr_in> peer_, last_peer_;
     Clock::time_point heard_{};
     DatagramCounters counters_;
 };

@@ -62,9 +62,10 @@ ReferenceBoard::ReferenceBoard(const interface::CoreConfiguration& configuration
 }
 
 Clock ReferenceBoard::next() const {
-    return std::min({step_at_, reply_at_, line_in_.next(), line_out_.next(), source_.next(), schedule_.next(),
-                     player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), stops_at_,
-                     reset_at_, judge_at_, stream_.next(), stream_wakes_, p_.trigger != 0 ? trigger_.next() : never,
+    return std::min({step_at_, reply_at_, old_stop_at_, line_in_.next(), line_out_.next(), source_.next(),
+                     schedule_.next(), player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(),
+                     stops_at_, reset_at_, judge_at_, stream_.next(), stream_wakes_,
+                     p_.trigger != 0 ? trigger_.next() : never,
                      stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
 
@@ -94,18 +95,27 @@ void ReferenceBoard::edge(Clock clock) {
     enable_ = disable_ = false;
     if (line_in_.next() <= clock) {
         const LineIn::Event event = line_in_.at(clock);
-        if (event.byte) byte_arrives(clock, *event.byte);
-        disable_ = event.broken;
-        if (event.broken || event.stops) source_.host_takes_over();
+        if (event.byte) byte_arrives(clock, *event.byte, event.began);
+        // A break ends a frame, and a board that plays by itself needs no network.
+        if (event.broken && p_.net == 0) byte_arrives(clock, 0, never);
+        if (event.old != 0) old_bytes(clock, event.old);
+        disable_ = event.broken || (event.lost && !source_.alone());
+        if (disable_ || event.stops) source_.host_takes_over();
         if (event.stops) {
             unplayed_.begin(clock, input_.frames);
+            old_[PortBytes::stop] = old_[PortBytes::stop] || input_.arriving();
             stops_at_ = clock + 1;
         }
+        if (event.ends) end_session(clock);
         if (event.chained) line_out_.chain(clock, *event.chained);
     }
     if (clock == stops_at_) {
         stops_at_ = never;
         stop(clock);
+    }
+    if (clock == old_stop_at_) {
+        old_stop_at_ = never;
+        if (!unplayed_.waits()) stops_at_ = std::min(stops_at_, clock + 1);
     }
     while (clock == step_at_) go_on(clock);  // what is not answered ends in the clock in which the next frame begins
     if (clock == reset_at_)
@@ -157,7 +167,8 @@ void ReferenceBoard::play(Clock clock) {
     if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
     const Guard::Verdict verdict = guard_.at(
         clock, enable_, disable_ || stopped_ || stale_.active(clock) || out_of_step, step.lost, trigger_.mute());
-    if (disable_ || stopped_ || verdict.expired || verdict.tripped || step.lost) switched_off(clock);
+    const bool off = stopped_ || verdict.expired || verdict.tripped || step.lost;
+    if (disable_ || off) switched_off(clock, !off);
     count_.missed = static_cast<std::uint16_t>(count_.missed + step.missed);
     count_.lost = static_cast<std::uint16_t>(count_.lost + step.lost);
     count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);
@@ -292,8 +303,10 @@ void ReferenceBoard::reset(unsigned clocks) {
     free_from_ = last + 1;
     taken_before_ = first_words_ = second_words_ = 0;
     session_ = false;
-    stale_ = unplayed_ = {};
-    old_ = false;
+    stale_ = unplayed_ = ended_ = {};
+    old_ = {};
+    old_began_ = old_stop_at_ = session_ends_at_ = never;
+    session_ended_ = false;
     input_.reset();
     line_in_.reset(last);
     if (line_in_.next() <= now_) static_cast<void>(line_in_.at(now_));  // the host goes on sending

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -63,6 +64,8 @@ public:
     void unplug() override { line_in_.unplug(now_); }
     void network_break() override { line_in_.break_network(now_); }
     void network_stop() override { line_in_.stop_network(now_); }
+    void network_lost() override { line_in_.lose_network(now_); }
+    void network_end() override { line_in_.end_network(now_); }
     void press_stop(bool pressed) override;
     void drive_sync(bool level) override { sync_.wire(now_, level); }
     void drive_trigger(bool level) override {
@@ -98,6 +101,7 @@ private:
             waits_ = !frames.empty();
             if (waits_) last_ = frames.back().number;
         }
+        [[nodiscard]] bool waits() const { return waits_; }
         /// @return whether it was the last of them
         bool done(Clock clock, std::uint64_t frame) {
             if (!waits_ || frame != last_) return false;
@@ -132,8 +136,11 @@ private:
     void disarm(Clock clock);
     void reset_play(Clock last);
     [[nodiscard]] Clock next_judgement(Clock from) const;
-    void byte_arrives(Clock clock, std::uint8_t byte);
-    void switched_off(Clock clock);
+    void byte_arrives(Clock clock, std::uint8_t byte, Clock began);
+    void old_bytes(Clock clock, std::uint8_t old);
+    void switched_off(Clock clock, bool by_line);
+    void end_session(Clock clock);
+    void pass_session(Clock clock);
     [[nodiscard]] std::uint64_t words_taken(Clock clock) const;
 
     // A frame from its first word to its answer.
@@ -240,13 +247,18 @@ private:
     Status status_{};
     std::uint8_t number_ = 0, expected_ = 0;
     bool session_ = false;
+    bool session_ended_ = false;  // and none has begun since
+    Clock session_ends_at_ = never;
     std::uint8_t session_number_ = 0;         // of the IDENTIFY that began it
     bool identified_ = false;                 // in the present clock
     std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
     bool cut_ = false;                        // what the present PUSH has written so far is gone
     std::uint64_t told_period_ = 0;           // by the present reply
-    Stale stale_, unplayed_;
-    bool old_ = false;                       // outputs were switched off since the frame began that is arriving
+    Stale stale_, unplayed_, ended_;
+    // Outputs were switched off, a STOP came, or the session ended since the frame began that is arriving.
+    std::array<bool, 3> old_{};
+    Clock old_began_ = never;                // a byte was arriving then that may begin a frame: when it began
+    Clock old_stop_at_ = never;              // the last old byte since a STOP came in the clock before
     Clock stops_at_ = never;                 // the clock in which a STOP acts
     bool enable_ = false, disable_ = false;  // what happens in the present clock
 

@@ -35,28 +35,64 @@ std::optional<ReferenceBoard::Shape> ReferenceBoard::shape_of(Command command) {
     return {};
 }
 
-void ReferenceBoard::byte_arrives(Clock clock, std::uint8_t byte) {
+/// @param began  when the byte did on a serial line
+void ReferenceBoard::byte_arrives(Clock clock, std::uint8_t byte, Clock began) {
+    if (byte != 0 && !input_.arriving() && began != never && began == old_began_) old_[PortBytes::off] = true;
     const FrameInput::Outcome outcome = input_.byte(clock, byte, words_taken(clock));
     if (outcome == FrameInput::Outcome::damaged) ++count_.damaged;
     if (outcome == FrameInput::Outcome::good) ++count_.good;
+    const bool good = outcome == FrameInput::Outcome::good;
     const bool disables = input_.urgent(Command::disable), stops = input_.urgent(Command::stop);
     if (disables || stops) source_.host_takes_over();
-    if (disables || (old_ && outcome == FrameInput::Outcome::good)) {
+    if (disables || (old_[PortBytes::off] && good)) {
         stale_.begin(clock, input_.frames);
         guard_.wake_at(clock + 1);
     }
-    old_ = old_ && input_.arriving();
-    if (stops) {
-        unplayed_.begin(clock, input_.frames);
-        stops_at_ = clock + 1;
+    if (stops || (old_[PortBytes::stop] && good)) unplayed_.begin(clock, input_.frames);
+    if (old_[PortBytes::end] && good) ended_.begin(clock, input_.frames);
+    if (stops) stops_at_ = clock + 1;
+    if (!input_.arriving()) old_ = {};
+    if (good && step_ == Step::waiting) await_frame(free_from_);
+}
+
+/// What comes from a network port in this clock was sent before something.
+void ReferenceBoard::old_bytes(Clock clock, std::uint8_t old) {
+    const auto is = [old](PortBytes::Event event) { return (old >> event & 1U) != 0; };
+    if (is(PortBytes::off)) {
+        stale_.begin(clock, input_.frames);
+        guard_.wake_at(clock + 1);
     }
-    if (outcome == FrameInput::Outcome::good && step_ == Step::waiting) await_frame(free_from_);
+    if (is(PortBytes::stop)) {
+        unplayed_.begin(clock, input_.frames);
+        old_stop_at_ = clock + 1;
+    }
+    if (is(PortBytes::end)) end_session(clock);
+    for (const PortBytes::Event event : {PortBytes::off, PortBytes::stop, PortBytes::end})
+        old_[event] = old_[event] || (is(event) && input_.arriving());
 }
 
 /// By anything but a DISABLE: what was sent before does not switch on again.
-void ReferenceBoard::switched_off(Clock clock) {
+void ReferenceBoard::switched_off(Clock clock, bool by_line) {
     stale_.begin(clock, input_.frames);
-    old_ = old_ || input_.arriving();
+    if (input_.arriving())
+        old_[PortBytes::off] = true;
+    else if (const auto began = line_in_.coming())
+        old_began_ = *began;
+    if (!by_line) line_in_.mark(PortBytes::off);
+}
+
+void ReferenceBoard::end_session(Clock clock) {
+    ended_.begin(clock, input_.frames);
+    old_[PortBytes::end] = old_[PortBytes::end] || input_.arriving();
+    if (session_ends_at_ == never) session_ends_at_ = clock + 1;
+}
+
+/// What ended before this clock's end is no session any more.
+void ReferenceBoard::pass_session(Clock clock) {
+    if (session_ends_at_ > clock) return;
+    session_ended_ = session_ended_ || session_;
+    session_ = false;
+    session_ends_at_ = never;
 }
 
 std::uint64_t ReferenceBoard::words_taken(Clock clock) const {
@@ -137,6 +173,9 @@ void ReferenceBoard::refuse(Clock clock, Status status) {
 }
 
 void ReferenceBoard::judge(Clock clock) {
+    if (ended_.active(clock)) return refuse(clock, Status::session_ended);
+    pass_session(clock);
+    if (session_ended_ && command_ != Command::identify) return refuse(clock, Status::session_ended);
     const std::uint8_t ahead = static_cast<std::uint8_t>(number_ - expected_);
     const bool in_order = (ahead == 0 && session_) || command_ == Command::identify;
     const bool repeated = !in_order && ahead >= 0x80 && session_;
@@ -310,8 +349,10 @@ void ReferenceBoard::put(Clock clock, std::uint16_t value) {
 }
 
 void ReferenceBoard::close(Clock clock) {
+    pass_session(clock);
     if (status_ == Status::ok && !is_message()) {
-        session_ = true;
+        session_ = !ended_.active(clock);
+        session_ended_ = session_ended_ && !session_;
         if (command_ == Command::identify) session_number_ = number_;
         expected_ = static_cast<std::uint8_t>(number_ + 1);
         if (command_ == Command::push_foci) ring_.keep();
@@ -406,7 +447,8 @@ void ReferenceBoard::execute(Clock clock) {
         ++(status_ == Status::repeated ? count_.repeated : count_.refused);
     const std::uint64_t frame = input_.frames.front().number;
     stale_.done(clock, frame);
-    if (unplayed_.done(clock, frame)) stops_at_ = clock + 1;
+    ended_.done(clock, frame);
+    if (unplayed_.done(clock, frame) && old_stop_at_ != clock + 1) stops_at_ = clock + 1;
     input_.frames.pop_front();
     if (is_message()) return await_frame(clock);
     step_ = Step::answered;
@@ -420,7 +462,7 @@ void ReferenceBoard::apply(Clock clock) {
     const bool may_play = !unplayed_.active(clock);  // otherwise a STOP that was sent later has acted already
     const auto word = [this](std::size_t i) { return static_cast<std::uint16_t>(argument(i)); };
     switch (command_) {
-        case Command::enable: enable_ = !stale_.active(clock); break;
+        case Command::enable: enable_ = !stale_.active(clock) && !ended_.active(clock); break;
         case Command::watchdog: guard_.set_watchdog(clock, word(0)); break;
         case Command::identify:
             schedule_.forget();

@@ -77,7 +77,7 @@ void LineIn::force(Clock now, std::optional<bool> level) {
 
 void LineIn::send(std::span<const std::uint8_t> bytes) {
     if (has_net_)
-        net_.insert(net_.end(), bytes.begin(), bytes.end());
+        net_.add(bytes);
     else
         sender_.send(bytes);
 }
@@ -92,10 +92,11 @@ void LineIn::reset(Clock last) {
     deaf_to_ = last;
     ask_at_ = last + 1;
     net_from_ = last + 1;
-    net_break_at_ = net_stop_at_ = never;
+    net_break_at_ = net_stop_at_ = net_lost_at_ = net_end_at_ = never;
+    net_.mark(PortBytes::end);
     level_ = true;
     connected_ = false;
-    byte_at_ = break_at_ = look_at_ = never;
+    byte_at_ = byte_began_ = break_at_ = look_at_ = never;
     chains_at_ = unchains_at_ = tells_chain_at_ = tells_no_chain_at_ = never;
     chained_ = false;
     shared_.reset();
@@ -104,22 +105,35 @@ void LineIn::reset(Clock last) {
 }
 
 Clock LineIn::next() const {
-    if (has_net_) return std::min({net_.empty() ? never : net_from_, net_break_at_, net_stop_at_});
+    if (has_net_)
+        return std::min({net_.empty() ? never : net_from_, net_break_at_, net_stop_at_, net_lost_at_, net_end_at_});
     return std::min({ask_at_, sender_.next_change(), shared_.next(), own_.next(), byte_at_, break_at_, look_at_,
                      chains_at_, unchains_at_, tells_chain_at_, tells_no_chain_at_});
 }
 
 LineIn::Event LineIn::at_network(Clock clock) {
     Event event;
+    event.old = net_.old();
     if (!net_.empty() && clock >= net_from_) {
-        event.byte = net_.front();
-        net_.pop_front();
+        event.byte = net_.take();
         net_from_ = clock + 1;
     }
     event.broken = clock >= net_break_at_;
     event.stops = clock >= net_stop_at_;
-    net_break_at_ = net_stop_at_ = never;
+    event.lost = clock >= net_lost_at_;
+    event.ends = event.broken || event.lost || clock >= net_end_at_;
+    net_break_at_ = net_stop_at_ = net_lost_at_ = net_end_at_ = never;
+    if (event.broken) mark(PortBytes::off);
+    if (event.stops) mark(PortBytes::stop);
+    if (event.broken || event.lost) mark(PortBytes::end);
     return event;
+}
+
+std::optional<Clock> LineIn::coming() const {
+    if (has_net_) return {};
+    if (byte_at_ != never) return byte_began_;
+    if (chained_ && (filter_.begun() || !shared_.idle())) return head_at_;
+    return own_.idle() ? std::optional<Clock>() : own_.started();
 }
 
 LineIn::Event LineIn::at(Clock clock) {
@@ -145,11 +159,13 @@ LineIn::Event LineIn::at(Clock clock) {
         if (sample.bit == 9 && sample.level) {
             byte_ = own_.byte();
             byte_at_ = clock + synchronized + 1;
+            byte_began_ = chained_ ? head_at_ : own_.started();
         }
     }
     if (has_chain_) read_shared(clock);
     if (clock == byte_at_) {
         event.byte = byte_;
+        event.began = byte_began_;
         byte_at_ = never;
     }
     if (clock == break_at_) {
@@ -182,7 +198,11 @@ void LineIn::level_is(Clock clock, bool level) {
     connected_ = connected_ || level;
     if (level == level_) return;
     level_ = level;
-    if (has_chain_) shared_.level(clock, level);
+    if (has_chain_) {
+        const bool idle = shared_.idle();
+        shared_.level(clock, level);
+        if (idle && !shared_.idle() && !filter_.begun()) head_at_ = clock;
+    }
     if (level) {
         if (clock < low_since_ + bits_.break_clocks) break_at_ = unchains_at_ = tells_no_chain_at_ = never;
         return;

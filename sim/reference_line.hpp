@@ -9,6 +9,7 @@
 
 #include "clock.hpp"
 #include "haptogram/format/interface.hpp"
+#include "port_bytes.hpp"
 #include "serial_line.hpp"
 
 namespace haptogram::sim {
@@ -35,6 +36,8 @@ public:
     /// The clock in which the next bit is read.
     [[nodiscard]] Clock next() const { return sample_at_; }
     [[nodiscard]] bool idle() const { return sample_at_ == never; }
+    /// When the byte began that is coming, or came last.
+    [[nodiscard]] Clock started() const { return started_; }
     struct Sample {
         std::size_t bit = 0;  ///< 0 start, 9 stop
         bool level = false;
@@ -62,6 +65,8 @@ public:
     void rest() { own_ = true; }
     /// As the tile's own receiver sees it from the next clock on, in a chain.
     [[nodiscard]] bool own() const { return own_; }
+    /// Whether a frame has begun.
+    [[nodiscard]] bool begun() const { return place_ != 0; }
 
 private:
     unsigned place_ = 0;  // the byte of the frame that comes, up to 3
@@ -86,6 +91,12 @@ public:
     /// In this clock, of a board with a network port.
     void break_network(Clock now) { net_break_at_ = has_net_ ? now : never; }
     void stop_network(Clock now) { net_stop_at_ = has_net_ ? now : never; }
+    void lose_network(Clock now) { net_lost_at_ = has_net_ ? now : never; }
+    void end_network(Clock now) { net_end_at_ = has_net_ ? now : never; }
+    /// What waits in a network port is old.
+    void mark(PortBytes::Event event) { net_.mark(event); }
+    /// When the byte began to arrive that is coming in this clock, or is on its way to the board.
+    [[nodiscard]] std::optional<Clock> coming() const;
     /// From this clock on.
     void force(Clock now, std::optional<bool> level);
     void unplug(Clock now);
@@ -98,6 +109,10 @@ public:
         std::optional<std::uint8_t> byte;  ///< its good stop bit was seen three clocks ago
         bool broken = false;               ///< the line has been low for too long
         bool stops = false;                ///< a STOP came beside it
+        bool lost = false;                 ///< the link of a network port was lost
+        bool ends = false;                 ///< the session ends
+        std::uint8_t old = 0;              ///< of what comes from a network port: see PortBytes
+        Clock began = never;               ///< when the byte did, on a serial line
         std::optional<bool> chained;       ///< from this clock on the board is one of a chain, or is not
     };
     /// What the board learns in this clock; to be asked at every clock that next() says, in turn.
@@ -113,8 +128,8 @@ private:
     SerialSender sender_;
     std::optional<bool> forced_;
     // Bytes of a network port wait there for the end of a reset, and then for each other.
-    std::deque<std::uint8_t> net_;
-    Clock net_from_ = 0, net_break_at_ = never, net_stop_at_ = never;
+    PortBytes net_;
+    Clock net_from_ = 0, net_break_at_ = never, net_stop_at_ = never, net_lost_at_ = never, net_end_at_ = never;
     Clock ask_at_ = 0;  // the host has done something
     // The board's side. Clocks are those at the pin, which the board sees two later.
     Clock deaf_to_ = 0;  // last clock of reset
@@ -122,9 +137,10 @@ private:
     bool connected_ = false;  // the line has been high since reset; otherwise nobody is there who could send a break
     Clock low_since_ = 0, break_at_ = never;
     ByteInput shared_, own_;  // of a chain; what the board takes its bytes from
-    Clock byte_at_ = never;
+    Clock byte_at_ = never, byte_began_ = never;
     std::uint8_t byte_ = 0;
     ChainFilter filter_;
+    Clock head_at_ = never;  // a frame of a chain began, of which the own receiver may see nothing yet
     bool chained_ = false;
     Clock chains_at_ = never, unchains_at_ = never;             // as the filter sees it
     Clock tells_chain_at_ = never, tells_no_chain_at_ = never;  // as all others do

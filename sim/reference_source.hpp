@@ -57,6 +57,7 @@ public:
     void header_written(Clock clock, std::uint16_t half);
     /// A host has done more than ask: no autostart follows any more.
     void host_takes_over() { alone_ = false; }
+    [[nodiscard]] bool alone() const { return alone_; }
     void reset(Clock clock);
 
     [[nodiscard]] interface::Mode mode() const { return mode_ != interface::Mode::idle ? mode_ : told_; }

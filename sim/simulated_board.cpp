@@ -32,6 +32,9 @@ void SimulatedBoard::reset(unsigned clocks) {
 
 void SimulatedBoard::clock() {
     const bool line = sender_.level(now_), was_sync = outputs_.sync, was_trigger = outputs_.trigger;
+    const bool broken = std::exchange(net_break_, false), stops = std::exchange(net_stop_, false),
+               lost = std::exchange(net_lost_, false), off = outputs_.net_off;
+    const std::uint8_t old = net_.old();
     model_->clock({.reset = in_reset_,
                    .rx = forced_line_.value_or(line),
                    .stop = stop_,
@@ -39,9 +42,15 @@ void SimulatedBoard::clock() {
                    .trigger = trigger_,
                    .next = next_,
                    .net = next_net(),
-                   .net_break = std::exchange(net_break_, false),
-                   .net_stop = std::exchange(net_stop_, false)},
+                   .net_lost = lost,
+                   .net_end = broken || std::exchange(net_end_, false),
+                   .net_off = broken,
+                   .net_stop = stops,
+                   .net_old = old},
                   outputs_);
+    if (broken || off) net_.mark(PortBytes::off);
+    if (stops) net_.mark(PortBytes::stop);
+    if (broken || lost || in_reset_) net_.mark(PortBytes::end);
     if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
     for (std::size_t word = 0; word < last_pins_.size(); ++word) {
         std::uint32_t changed = outputs_.pins[word] ^ last_pins_[word];
@@ -66,7 +75,7 @@ void SimulatedBoard::clock() {
 
 void SimulatedBoard::send(std::span<const std::uint8_t> bytes) {
     if (has_net())
-        net_.insert(net_.end(), bytes.begin(), bytes.end());
+        net_.add(bytes);
     else
         sender_.send(bytes);
 }
@@ -79,9 +88,7 @@ void SimulatedBoard::unplug() {
 /// What comes from a network waits there for the end of a reset.
 std::optional<std::uint8_t> SimulatedBoard::next_net() {
     if (net_.empty() || in_reset_) return {};
-    const std::uint8_t byte = net_.front();
-    net_.pop_front();
-    return byte;
+    return net_.take();
 }
 
 void SimulatedBoard::run(std::uint64_t clocks) {

@@ -11,6 +11,7 @@
 
 #include "board.hpp"
 #include "model.hpp"
+#include "port_bytes.hpp"
 #include "serial_line.hpp"
 
 namespace haptogram::sim {
@@ -41,6 +42,8 @@ public:
     void unplug() override;
     void network_break() override { net_break_ = true; }
     void network_stop() override { net_stop_ = true; }
+    void network_lost() override { net_lost_ = true; }
+    void network_end() override { net_end_ = true; }
     void press_stop(bool pressed) override { stop_ = pressed; }
     void drive_sync(bool level) override { sync_ = level; }
     void drive_trigger(bool level) override { trigger_ = level; }
@@ -67,11 +70,12 @@ private:
     SerialSender sender_;
     SerialReceiver receiver_;
     std::optional<bool> forced_line_;
-    std::deque<std::uint8_t> net_;  // for the network port
+    PortBytes net_;  // for the network port
     std::vector<std::uint8_t> arrived_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
-    bool stop_ = false, sync_ = false, trigger_ = false, next_ = true, net_break_ = false, net_stop_ = false;
+    bool stop_ = false, sync_ = false, trigger_ = false, next_ = true, net_break_ = false, net_stop_ = false,
+         net_lost_ = false, net_end_ = false;
 };
 
 /// Name of the first of these configurations that has this clock and these channels, and enough records, sequence words
