@@ -13,7 +13,7 @@
 // STREAM is a message: it has no place among the frames, but the number of its session, and is not answered. Its words are written
 // to where pattern_stream says.
 // i_top_index is the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
-// largest region. STATUS_WORDS is the length of the status block. FOCI and STREAM are the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
+// largest region. STATUS_WORDS is the length of the status block. FOCI, STREAM and NET are the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
@@ -21,6 +21,7 @@ module command_unit #(
     parameter STATUS_WORDS = `HG_STATUS_UNTIMED_WORDS,
     parameter FOCI        = 0,
     parameter STREAM      = 0,
+    parameter NET         = 0,
     parameter LENGTH_BITS = 10
 ) (
     input  wire        clk,
@@ -184,7 +185,7 @@ module command_unit #(
             end
 
             JUDGE:
-                if (i_ended || (ended_q && command_q != `HG_COMMAND_IDENTIFY)) finish(`HG_REPLY_SESSION_ENDED);
+                if (NET != 0 && (i_ended || ended_q) && (i_ended || command_q != `HG_COMMAND_IDENTIFY)) finish(`HG_REPLY_SESSION_ENDED);
                 else if (message ? !session_q || o_sequence != session_number_q : !in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
                 else if (!message && repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
                 else if (i_status != `HG_REPLY_OK) finish(i_status);
@@ -211,7 +212,7 @@ module command_unit #(
             default: if (i_answered) state_q <= LENGTH;  // ANSWER
         endcase
 
-        if (i_ended) session_q <= 1'b0;
+        if (NET != 0 && i_ended) session_q <= 1'b0;
         ended_q <= !rst && (i_ended ? ended_q || session_q : ended_q && !session_q);
         if (rst) begin
             state_q <= LENGTH;

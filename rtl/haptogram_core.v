@@ -135,7 +135,7 @@ module haptogram_core #(
 
     command_unit #(
         .WORD_BITS(WORD_BITS), .STATUS_WORDS(STREAM != 0 ? `HG_STATUS_WORDS : SCHEDULE != 0 ? `HG_STATUS_UNSTREAMED_WORDS : `HG_STATUS_UNTIMED_WORDS),
-        .FOCI(FOCI), .STREAM(STREAM),
+        .FOCI(FOCI), .STREAM(STREAM), .NET(NET),
         .LENGTH_BITS(RING_BITS + 2)
     ) commands (
         .clk(clk), .rst(rst),

@@ -101,7 +101,7 @@ module link #(
         .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_intact(data_intact),
         .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_right(data_right), .o_good(o_good), .o_damaged(o_damaged));
     // A frame takes two words of the ring or more.
-    urgent_commands #(.FRAMES(1 << (RING_BITS - 1))) urgency (
+    urgent_commands #(.FRAMES(1 << (RING_BITS - 1)), .NET(NET)) urgency (
         .clk(clk), .rst(rst), .i_coming(coming), .i_arrives(rx_valid), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end),
         .i_right(data_right), .i_good(o_good), .i_done(i_done), .i_off(i_off || o_break), .i_stops(NET != 0 && i_net_stop),
         .i_ends(NET != 0 && !i_image && (i_net_lost || i_net_end)), .i_old(NET != 0 && !i_image ? i_net_old : 3'b000),

@@ -7,10 +7,11 @@
 // high as long as the port's bytes were sent before the last i_event; so is one that comes in this clock. i_begun: a frame, or a byte that may
 // be its first, is arriving; i_near: what has just begun had reached the pin when it happened. i_waiting: frames that wait, at this clock's end. o_old is high from the next clock on until the last old one is
 // done; o_ends strobes together with its fall, but for that behind an event that has found nothing.
-// FRAMES is how many can wait at most.
+// FRAMES is how many can wait at most. BESIDE: 0 when it happens by frames alone, so that i_event, i_old and i_near are 0.
 `default_nettype none
 module old_frames #(
     parameter FRAMES = 128,
+    parameter BESIDE = 1,
     parameter BITS   = $clog2(FRAMES + 1)  // follows from it
 ) (
     input  wire            clk,
@@ -32,9 +33,10 @@ module old_frames #(
     reg            old_q;   // the frame that arrives is
     reg            held_q;  // the port had something old
     reg [BITS-1:0] left_q;  // of those that wait, up to and with the last old one
-    wire marks = i_event || i_acts || i_old || (i_good && old_q);
+    wire old   = BESIDE != 0 && old_q, held = BESIDE != 0 && held_q;
+    wire marks = i_event || i_acts || i_old || (i_good && old);
     wire last  = left_q == ONE && i_done;
-    assign o_ends = !marks && (last || (held_q && left_q == NONE));
+    assign o_ends = !marks && (last || (held && left_q == NONE));
 
     always @(posedge clk) begin
         if (rst) begin

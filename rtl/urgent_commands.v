@@ -11,11 +11,12 @@
 // out; i_stops is a STOP that came another way. o_ended is the same for the end of a session, i_ends. o_heard strobes at each DISABLE or STOP.
 // i_coming: the line is not idle, or a byte of it is on its way here. What reaches the line two clocks before i_off was there, too.
 // i_old: what still comes out of a network port was sent before the last of the port's own switch-offs (bit 0), STOPs (1), ends of a session (2).
-// FRAMES is how many frames can wait at most.
+// FRAMES is how many frames can wait at most. NET is the core's; without it i_stops, i_ends and i_old are 0.
 `default_nettype none
 `include "interface.vh"
 module urgent_commands #(
-    parameter FRAMES = 128
+    parameter FRAMES = 128,
+    parameter NET    = 0
 ) (
     input  wire       clk,
     input  wire       rst,
@@ -53,12 +54,19 @@ module urgent_commands #(
     old_frames #(.FRAMES(FRAMES)) off (
         .clk(clk), .rst(rst), .i_event(i_off), .i_acts(acts && disables_q), .i_old(i_old[0]), .i_near(i_coming && !begun_q && off_q != 2'b00),
         .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_disable), .o_ends(unused_off_ends));
-    old_frames #(.FRAMES(FRAMES)) stop (
+    old_frames #(.FRAMES(FRAMES), .BESIDE(NET)) stop (
         .clk(clk), .rst(rst), .i_event(i_stops), .i_acts(acts && stops_q), .i_old(i_old[1]), .i_near(1'b0),
         .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_stop), .o_ends(stop_ends));
-    old_frames #(.FRAMES(FRAMES)) session (
-        .clk(clk), .rst(rst), .i_event(i_ends), .i_acts(1'b0), .i_old(i_old[2]), .i_near(1'b0),
-        .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_ended), .o_ends(unused_ends));
+    generate
+        if (NET != 0) begin : with_port
+            old_frames #(.FRAMES(FRAMES)) session (
+                .clk(clk), .rst(rst), .i_event(i_ends), .i_acts(1'b0), .i_old(i_old[2]), .i_near(1'b0),
+                .i_begun(begun), .i_end(i_end), .i_good(i_good), .i_done(i_done), .i_waiting(waiting_d), .o_old(o_ended), .o_ends(unused_ends));
+        end else begin : without_port
+            assign {o_ended, unused_ends} = 2'b00;
+            wire unused_port = &{1'b0, i_ends, i_old[2]};
+        end
+    endgenerate
 
     always @(posedge clk) begin
         if (i_valid && count_q == 3'd1) {disables_q, stops_q} <= {i_byte == `HG_COMMAND_DISABLE, i_byte == `HG_COMMAND_STOP};

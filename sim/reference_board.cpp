@@ -167,8 +167,8 @@ void ReferenceBoard::play(Clock clock) {
     if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
     const Guard::Verdict verdict = guard_.at(
         clock, enable_, disable_ || stopped_ || stale_.active(clock) || out_of_step, step.lost, trigger_.mute());
-    const bool off = stopped_ || verdict.expired || verdict.tripped || step.lost;
-    if (disable_ || off) switched_off(clock, !off);
+    const bool by_itself = stopped_ || verdict.expired || verdict.tripped || step.lost;
+    if (disable_ || by_itself) switched_off(clock, by_itself);
     count_.missed = static_cast<std::uint16_t>(count_.missed + step.missed);
     count_.lost = static_cast<std::uint16_t>(count_.lost + step.lost);
     count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);

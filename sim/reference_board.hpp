@@ -138,7 +138,7 @@ private:
     [[nodiscard]] Clock next_judgement(Clock from) const;
     void byte_arrives(Clock clock, std::uint8_t byte, Clock began);
     void old_bytes(Clock clock, std::uint8_t old);
-    void switched_off(Clock clock, bool by_line);
+    void switched_off(Clock clock, bool by_itself);
     void end_session(Clock clock);
     void pass_session(Clock clock);
     [[nodiscard]] std::uint64_t words_taken(Clock clock) const;

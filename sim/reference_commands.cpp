@@ -72,13 +72,13 @@ void ReferenceBoard::old_bytes(Clock clock, std::uint8_t old) {
 }
 
 /// By anything but a DISABLE: what was sent before does not switch on again.
-void ReferenceBoard::switched_off(Clock clock, bool by_line) {
+void ReferenceBoard::switched_off(Clock clock, bool by_itself) {
     stale_.begin(clock, input_.frames);
     if (input_.arriving())
         old_[PortBytes::off] = true;
     else if (const auto began = line_in_.coming())
         old_began_ = *began;
-    if (!by_line) line_in_.mark(PortBytes::off);
+    if (by_itself) line_in_.mark(PortBytes::off);
 }
 
 void ReferenceBoard::end_session(Clock clock) {

@@ -818,7 +818,13 @@ private:
         }
         if (p_.net != 0) {
             // Rarely enough that something plays between them.
-            if (one_in(6)) boards_.both([](sim::Board& board) { board.network_break(); });
+            switch (below(16)) {
+                case 0: boards_.both([](sim::Board& board) { board.network_break(); }); break;
+                case 1: boards_.both([](sim::Board& board) { board.network_lost(); }); break;
+                case 2: boards_.both([](sim::Board& board) { board.network_end(); }); break;
+                case 3: boards_.both([](sim::Board& board) { board.network_stop(); }); break;
+                default: break;
+            }
             return;
         }
         const bool level = one_in(4);
@@ -833,7 +839,8 @@ private:
             if (!difference.empty()) return difference;
         }
         // A network brings a byte a clock: frames come one at a time, with the pause that a datagram of their own would
-        // have.
+        // have, or some wait in the port.
+        if (p_.net != 0 && one_in(4)) return run(between(1, 40));
         if (p_.net != 0) return run(between(400, one_in(4) ? 20'000 : 4'000));
         const std::uint32_t byte_clocks = 10 * p_.clock_hz / p_.baud;
         switch (below(6)) {

@@ -116,13 +116,29 @@ TEST_CASE("reference: a STOP and a break of the network act at the same clock") 
         interface::record_field::kind.set(record, 1);
         boards.both([&](sim::Board& board) { std::ranges::copy(record, board.primary_memory().begin()); });
         const bool on = random() % 2 != 0, breaks = random() % 2 != 0, stops = random() % 2 != 0;
+        const bool lost = random() % 4 == 0, ends = random() % 4 == 0, waits = random() % 2 != 0;
         send(boards, 0, interface::Command::identify, {});
         if (on) send(boards, 1, interface::Command::enable, {});
         send(boards, on ? 2 : 1, interface::Command::select, {1, 0, 0, 0});
         std::string difference = boards.run(3000 + random() % 4000);
+        if (waits) {  // in the port
+            const std::vector<std::uint8_t> noise(200, 0x55);
+            boards.both([&](sim::Board& board) { board.send(noise), board.send(std::vector<std::uint8_t>{0}); });
+            for (unsigned number = 10; number < 16; ++number)
+                send(boards, static_cast<std::uint8_t>(number),
+                     random() % 2 != 0 ? interface::Command::enable : interface::Command::status, {});
+            if (difference.empty()) difference = boards.run(random() % 300);
+            if (random() % 4 == 0) {
+                boards.both([](sim::Board& board) { board.press_stop(true); });
+                if (difference.empty()) difference = boards.run(1 + random() % 50);
+                boards.both([](sim::Board& board) { board.press_stop(false); });
+            }
+        }
         boards.both([&](sim::Board& board) {
             if (breaks) board.network_break();
             if (stops) board.network_stop();
+            if (lost) board.network_lost();
+            if (ends) board.network_end();
         });
         if (random() % 2 != 0) send(boards, on ? 3 : 2, interface::Command::stop, {});
         if (difference.empty()) difference = boards.run(4000);
