@@ -51,6 +51,7 @@ module command_check #(
     localparam STREAM_WORDS = STREAM != 0 ? `HG_STREAM_WORDS : 0;
     localparam TRIGGER_WORDS = TRIGGER != 0 ? `HG_TRIGGER_WORDS : 0, TRIGGER_SETTINGS = TRIGGER != 0 ? `HG_TRIGGER_SETTINGS : 0;
     localparam RING_WORDS = FOCI != 0 ? `HG_RING_WORDS : 0;
+    localparam [47:0] AT_TRIGGER = {48{1'b1}} - 48'd1;
     localparam ENTRY_BITS = $clog2(SEQUENCE_DEPTH + 1);
     localparam [ENTRY_BITS:0] ENTRIES = SEQUENCE_DEPTH[ENTRY_BITS:0];
     localparam [15:0] MOST_WORDS = RECORD_WORDS[15:0];
@@ -126,6 +127,7 @@ module command_check #(
             `HG_COMMAND_GATE:
                 if (SCHEDULE == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
                 else if (i_gate_busy) o_status = `HG_REPLY_GATE_BUSY;
+                else if (TRIGGER != 0 && i_stopped && {i_argument_2, i_argument_1, i_argument_0} == AT_TRIGGER) o_status = `HG_REPLY_STOPPED;
             `HG_COMMAND_PUSH_FOCI:
                 if (FOCI == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
                 else if (!i_ring_usable || (SCHEDULE != 0 && i_no_push)) o_status = `HG_REPLY_BAD_RANGE;

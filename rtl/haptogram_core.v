@@ -382,10 +382,11 @@ module haptogram_core #(
                 wire unused_count = &{1'b0, foci_base, foci_count, foci_last};
             end
             if (STREAM != 0) begin : with_stream
-                // Whatever else is to play or switches outputs off ends a stream, and so does another session.
+                // Whatever else is to play or switches outputs off ends a stream, and so does another session, or a word that says where foci lie.
+                wire moves   = write && region == `HG_REGION_PARAMETERS && set_address[15:2] == 14'd0 && set_address[1:0] != 2'd3;
                 wire sets    = write && region == `HG_REGION_STREAM;
                 reg  forgets_q;
-                always @(posedge clk) forgets_q <= supplants || followed || stops || unplayed || disables || guard_trip || play_rst
+                always @(posedge clk) forgets_q <= supplants || followed || stops || unplayed || disables || guard_trip || play_rst || moves
                                                    || (execute && command == `HG_COMMAND_IDENTIFY);
                 pattern_stream #(
                     .SLOTS(STREAM), .CHANNELS(CHANNELS), .RECORDS(RECORDS), .FOCI(FOCI), .WORD_BITS(WORD_BITS)

@@ -20,6 +20,6 @@ generate if (SCHEDULE < 0 || SCHEDULE > 1) schedule_out_of_range error(); endgen
 generate if (SYNC < 0 || SYNC > 1) sync_out_of_range error(); endgenerate
 generate if (CHAIN < 0 || CHAIN > 1) chain_out_of_range error(); endgenerate
 generate if (NET < 0 || NET > 1) net_out_of_range error(); endgenerate
-generate if (STREAM != 0 && (STREAM < 4 || STREAM > 1024 || (STREAM & (STREAM - 1)) != 0 || SCHEDULE == 0)) stream_out_of_range error(); endgenerate
+generate if (STREAM != 0 && (STREAM < 4 || STREAM > 1024 || (STREAM & (STREAM - 1)) != 0 || SCHEDULE == 0 || WIDTH_BITS == 0)) stream_out_of_range error(); endgenerate
 generate if (TRIGGER < 0 || TRIGGER > 1 || (TRIGGER != 0 && SCHEDULE == 0)) trigger_out_of_range error(); endgenerate
 generate if (SDRAM != 0 && (SDRAM < 4 || SDRAM > 8 || (SDRAM & (SDRAM - 1)) != 0)) sdram_out_of_range error(); endgenerate

@@ -155,7 +155,7 @@ void ReferenceBoard::play(Clock clock) {
     disarm(clock);
     if (schedule_.opens(clock)) open_gate(clock);
     const bool unplayed = unplayed_.active(clock), stale = stale_.active(clock),
-               identified = std::exchange(identified_, false);
+               identified = std::exchange(identified_, false), moved = std::exchange(moved_, false);
     if (p_.stream != 0) stream_turn(clock);
     const bool starts = source_.at(clock);
     if (starts) {
@@ -188,7 +188,7 @@ void ReferenceBoard::play(Clock clock) {
     if (p_.stream != 0)
         stream(clock, counted.goes,
                source_.supplanted(clock) || followed || unplayed || disable_ || stale || verdict.expired ||
-                   verdict.tripped || identified);
+                   verdict.tripped || identified || moved);
     source_.passed(clock);
     count_.underruns = static_cast<std::uint16_t>(count_.underruns + counted.underrun);
     count_.refused_records = static_cast<std::uint16_t>(count_.refused_records + counted.refused);

@@ -250,6 +250,7 @@ private:
     bool session_ended_ = false;  // and none has begun since
     Clock session_ends_at_ = never;
     std::uint8_t session_number_ = 0;         // of the IDENTIFY that began it
+    bool moved_ = false;                      // foci, likewise
     bool identified_ = false;                 // in the present clock
     std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
     bool cut_ = false;                        // what the present PUSH has written so far is gone

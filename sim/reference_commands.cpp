@@ -219,7 +219,8 @@ interface::Status ReferenceBoard::verdict() const {
             return stopped_ ? Status::stopped : sync_.out_of_step() ? Status::out_of_step : Status::ok;
         case Command::gate:
             if (p_.schedule == 0) return Status::unknown_command;
-            return schedule_.busy(argument_period()) ? Status::gate_busy : Status::ok;
+            if (schedule_.busy(argument_period())) return Status::gate_busy;
+            return p_.trigger != 0 && stopped_ && argument_period() == Schedule::at_trigger ? Status::stopped : Status::ok;
         case Command::sync:
             if (p_.sync == 0) return Status::unknown_command;
             return argument(0) > static_cast<unsigned>(interface::Role::slave) ? Status::bad_range : Status::ok;
@@ -338,7 +339,10 @@ void ReferenceBoard::put(Clock clock, std::uint16_t value) {
             else
                 sequence_[address_ / 2] = static_cast<std::uint32_t>(value) << 16 | low_half_;
             return;
-        case parameters_region: frames_->settings.write(clock, address_, value); return;
+        case parameters_region:
+            frames_->settings.write(clock, address_, value);
+            moved_ = moved_ || address_ < 3;  // where foci lie
+            return;
         case geometry_region: frames_->geometry[address_ / 4][address_ % 4] = value; return;
         case modulation_region: frames_->modulation.write(address_, value); return;
         case ring_region: ring_.set(address_, value); return;

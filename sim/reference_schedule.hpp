@@ -50,6 +50,7 @@ public:
     [[nodiscard]] bool takes_no_push() const { return armed_ && (at_end_ || by_trigger()); }
     /// Whether it comes in this clock.
     void trigger(bool comes) { trigger_ = comes; }
+    static constexpr std::uint64_t at_end = (std::uint64_t{1} << 48) - 1, at_trigger = at_end - 1;
     bool has_trigger = false;
     void forget() { armed_ = false; }
 
@@ -90,7 +91,6 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t at_end = (std::uint64_t{1} << 48) - 1, at_trigger = at_end - 1;
     static constexpr Clock count_clocks = 2;    // from a period's beginning until it is counted
     static constexpr Clock compare_clocks = 3;  // and until its number is compared
 

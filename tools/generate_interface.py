@@ -137,7 +137,7 @@ def verilog_check(table):
         wrong = [f"{name} < {p['low']}", f"{name} > {p['high']}"]
         wrong += [f"{name} {sign} {p[key]}" for key, sign in (("at_least", "<"), ("at_most", ">")) if key in p]
         wrong += [f"({name} & ({name} - 1)) != 0"] if p.get("power_of_two") else []
-        wrong += [f"{p['needs']} == 0"] if "needs" in p else []
+        wrong += [f"{p[key]} == 0" for key in ("needs", "needs_too") if key in p]
         wrong = " || ".join(wrong)
         if p.get("optional"):
             wrong = f"{name} != 0 && ({wrong})"
@@ -533,7 +533,7 @@ def page(table):
         bounds = [f"{p['low']}…{p['high']}{unit}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []
         bounds += ["or 0"] if p.get("optional") else []
-        bounds += [f"0 without {p['needs']}"] if "needs" in p else []
+        bounds += [f"0 without {p[key]}" for key in ("needs", "needs_too") if key in p]
         out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
     rows = configurations(table)
     default = {p["name"]: p["default"] for p in table["parameter"]}

@@ -158,6 +158,25 @@ TEST_CASE("flash: who speaks while an image is read ends that, and is understood
     REQUIRE(said(broken) == Flash::broken);
 }
 
+TEST_CASE("flash: the first frame of who speaks while an image is read needs no zero before it", "[flash]") {
+    const Bytes flash = link::flash_image(three(), true, "image");
+    for (std::uint64_t clocks = 20'000; clocks < 20'064; ++clocks) {
+        CAPTURE(clocks);
+        Bench bench;
+        bench.board.write_flash(first, flash);
+        bench.board.reset();
+        bench.board.run(clocks);
+        bench.board.send(link::encode_request(9, Command::identify, {}));
+        bench.board.run(40'000);
+        std::vector<link::Reply> replies;
+        link::ReplyDecoder decoder;
+        decoder.feed(bench.board.receive(), replies);
+        REQUIRE(replies.size() == 1);
+        REQUIRE(replies[0].sequence == 9);
+        REQUIRE(said(bench) == Flash::broken);
+    }
+}
+
 TEST_CASE("flash: without an image nothing plays, whatever the sequence memory holds", "[flash]") {
     Bench bench;
     bench.load(three());

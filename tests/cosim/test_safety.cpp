@@ -144,6 +144,64 @@ TEST_CASE("safety: a DISABLE acts although there is no room for it", "[safety]")
     REQUIRE(host.status().frames_damaged > 0);
 }
 
+TEST_CASE("safety: an ENABLE is on its way from its first start bit's edge on", "[safety]") {
+    Bench bench;
+    play_one(bench, dense());
+    const unsigned bit = bench.board.parameters().clock_hz / bench.board.parameters().baud;
+    bench.board.send(request(4, Command::watchdog, {0}));
+    wait_sent(bench);
+    bench.board.run(20'000);
+    std::uint8_t number = 5;
+    for (unsigned clocks = 1; clocks < 25 * bit; clocks += clocks < 12 * bit ? 1 : 7) {
+        CAPTURE(clocks);
+        bench.board.send(request(number++, Command::enable));
+        bench.board.run(clocks);
+        bench.board.press_stop(true);
+        bench.board.run(1);
+        bench.board.press_stop(false);
+        wait_sent(bench);
+        bench.board.run(4'000);
+        REQUIRE_FALSE(bench.board.outputs().enabled);
+        bench.board.send(request(number++, Command::enable));
+        wait_sent(bench);
+        bench.board.run(4'000);
+        REQUIRE(bench.board.outputs().enabled);
+    }
+    // Nothing else is: neither what comes after it, nor behind a glitch.
+    for (const bool glitches : {false, true}) {
+        bench.board.press_stop(true);
+        if (glitches) {
+            bench.board.run(10);
+            bench.board.force_line(false);
+            bench.board.run(bit / 4);
+            bench.board.force_line({});
+        }
+        bench.board.run(5);
+        bench.board.press_stop(false);
+        bench.board.run(glitches ? bit : 8);
+        bench.board.send(request(number++, Command::enable));
+        wait_sent(bench);
+        bench.board.run(4'000);
+        REQUIRE(bench.board.outputs().enabled);
+    }
+}
+
+TEST_CASE("safety: a break ends half a frame, so what comes first behind it counts", "[safety]") {
+    Bench bench;
+    play_one(bench, dense());
+    const double bit = static_cast<double>(bench.board.parameters().clock_hz) / bench.board.parameters().baud;
+    bench.board.send(Bytes{9, 1, 2, 3});
+    wait_sent(bench);
+    bench.board.run(static_cast<std::uint64_t>(2 * bit));
+    bench.board.force_line(false);
+    bench.board.run(static_cast<std::uint64_t>(25 * bit));
+    bench.board.force_line({});
+    bench.board.run(100);
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+    static_cast<void>(bench.board.receive());
+    REQUIRE(bench.talk(request(4, Command::disable))[0].status == Status::ok);
+}
+
 // Whatever switches outputs off, an ENABLE that was sent before it does not switch them on when its turn comes.
 TEST_CASE("safety: what was sent before a switch-off is answered and not done", "[safety]") {
     Bench bench;

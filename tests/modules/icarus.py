@@ -54,6 +54,7 @@ def cases():
             yield name, {**beside, name: 0}, True
         if "needs" in row:
             yield name, {name: high}, False
+    yield "STREAM", {"STREAM": 16, "SCHEDULE": 1}, False
     yield "PULSE_BITS", {"TIMING_BITS": 4, "PULSE_BITS": 5}, False
     yield "BAUD", {"CLOCK_HZ": 1000000, "BAUD": 125001}, False
     yield "MIN_PULSE_CLOCKS", {"MIN_PULSE_CLOCKS": 1001}, False

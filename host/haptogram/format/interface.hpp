@@ -586,7 +586,7 @@ constexpr std::string_view to_string(Status status) {
         case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
         case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: samples beyond MODULATION_DEPTH, or a first one on boards without schedule; push, push_foci: behind a gate for the end of what plays, or for the trigger; push_foci: the ring has no more records than LIVE_DEPTH, or lies outside the focus records or primary memory; sync: no such role";
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
-        case Status::stopped: return "stopped: the stop input is active; release it, then enable";
+        case Status::stopped: return "stopped: the stop input is active; release it, then enable. Also to a gate for the trigger, since what waits for that ends with whatever switches outputs off";
         case Status::gate_busy: return "gate_busy: something waits for another carrier period already; wait until it has begun, or stop";
         case Status::session_ended: return "session_ended: the session that this frame belongs to has ended, see over Ethernet, and none has begun since. Nothing was done, but disable and stop have acted. Nothing of that session is to be sent again: say so to whoever asked, then identify";
         case Status::out_of_step: return "out_of_step: the board is a slave and not in step with SYNC; look at its status, wait until it is, then enable";
