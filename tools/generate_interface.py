@@ -445,7 +445,8 @@ def page(table):
             "    phase of one focus = offset − R · wave_number / 2^27      (the channel's offset; a nearer channel plays later)",
             "    sum                = Σ amplitude / 255 · e^(2πj · phase)    over the record's foci",
             "    phase              = the sum's angle",
-            "    amplitude          = |sum| · gain / 39953, and 1 where that is more; 1 with foci_whole, but 0 where the sum is 0", "",
+            "    amplitude          = |sum| · gain / 39953, and 1 where that is more; 1 with foci_whole, but 0 where the sum is 0",
+            "    of the channel     = amplitude · (255 − lack) / 255         (what the geometry says that it lacks of full; records ignore it)", "",
             "So wave_number is 2^27 / (128 · the wavelength in mm), 122,212 for 8.58 mm. A lone focus's phase is right to 0.0001 of a turn and its",
             "amplitude to 0.1 % of full; a sum's to 0.0006, where it is at least a quarter of full, and to 0.5 %."]
     out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
@@ -472,7 +473,10 @@ def page(table):
             out += [f"A host may write the first {trigger_settings(table)} words. Like the memories they are not touched by a reset, and neither are clocks and counts. An event while the",
                     "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.", ""]
         if block["region"] == "description":
-            out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", ""]
+            out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", "",
+                    f"In the flash of a board with SDRAM an image begins at {table['flash_image']['first']:#x} and has at most {table['flash_image']['bytes']:,} bytes: a zero, frames as they come over a line, each with",
+                    "its zero, and a zero more. The first is IDENTIFY, all others are WRITE, numbered one after the other; one that is damaged or refused, or whose number",
+                    "is not the next, ends the reading. They are not answered. Any byte of a host ends the reading, too, and is the first of its own frame.", ""]
         if block["region"] == "status":
             for kind, about in (("mode", "where the next record comes from"), ("role", "what")):
                 out += [f"Values of {kind}:", "", f"| value | {kind} | {about} |", "|---|---|---|"]
@@ -494,13 +498,15 @@ def page(table):
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
     out += ["", "## Switching off", "",
             "DISABLE, a break, the stop input, the watchdog, the guard, loss of SYNC, RESET and a reset of the FPGA switch outputs off. **Whatever was sent",
-            "before that switches nothing on afterwards.** Frames that wait for their turn, and one that is arriving, are answered as usual and done, but an",
-            "ENABLE among them is answered ok and does nothing. In the same way a SELECT, START or PUSH that was sent before a STOP is answered and not done.", "",
-            "DISABLE and STOP act within 20 clocks of the last bit of their frame, if its CRC is right. They overtake the frames ahead of them, act whatever",
-            "their sequence number, without a session or in anybody's, and where there is no room for them. So any answer to one shows that it has acted. A",
-            "late copy acts again and ends what was begun since. So **a host sends nothing behind a DISABLE or STOP until that is answered**; then no copy of",
-            "it is under way.", "",
-            "A host that wants silence, whatever came before, sends a zero byte, DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
+            "before that switches nothing on afterwards**: what is anywhere on its way then counts as old, from the first edge of its first byte at the pin",
+            "on. Frames that wait for their turn, and one that is arriving, are answered as usual and done, but an ENABLE among them is answered ok and does",
+            "nothing. In the same way a SELECT, START or PUSH that was sent before a STOP is answered and not done.", "",
+            "DISABLE and STOP act within 20 clocks of the last bit of their frame, over Ethernet of their datagram, if its CRC is right. They overtake the",
+            "frames ahead of them, act whatever their sequence number, without a session or in anybody's, and where there is no room for them. So any answer to",
+            "one shows that it has acted. A late copy acts again and ends what was begun since. So **a host sends nothing behind a DISABLE or STOP until that is",
+            "answered**; then no copy of it is under way. What is in the same datagram behind one counts as sent before it.", "",
+            "A break ends a frame as a zero does, so what comes behind it begins a frame.", "",
+            "A host that wants silence, whatever came before, sends a zero byte (over Ethernet none is needed), DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
             "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
             "answered, from the first missing frame on; the board applies each sequence number once. A damaged bit in the zero behind a frame can add a zero to",
             "it and leave its CRC right. The board then refuses the frame for its length, and the host sends it again. This project's hosts all use these numbers:", ""]
@@ -549,8 +555,9 @@ def page(table):
 STREAM_PAGE = [
     "## A stream of patterns", "",
     "On boards with stream a host can send a new pattern for every carrier period. Frames of STREAM are never answered and never sent again. In the",
-    "place of a sequence number they carry that of the IDENTIFY which began the session; in no other session are they taken. They change no number of",
-    "the session, and start the watchdog's time anew.", "",
+    "place of a sequence number they carry that of the IDENTIFY which began the session; in no other session are they taken. So an IDENTIFY that begins a",
+    "session anew has another number than the one before, or late patterns of that one would be taken. They change no number of the session, and start",
+    "the watchdog's time anew.", "",
     "The stream block names 2^slot_bits records, the slots, which a host prepares: their headers say what their words are, and a cycle of one carrier",
     "period. A pattern is the words of a record behind its header, CHANNELS of them, or a whole focus record. The first of a frame is for the period that it",
     "names, each other one for the period after. That for period p goes into slot p mod 2^slot_bits, and plays in period p alone; which record",
@@ -559,7 +566,8 @@ STREAM_PAGE = [
     "  pattern already. None of these changes anything but its counter. Whatever is left of a pattern at a frame's end is refused, those before it hold.",
     "- A stream begins when the first pattern's time has come; then it ends what else plays, as SELECT does. A period without a pattern is **lost**: the last",
     "  pattern plays on. After `hold` of them the stream ends: amplitudes fall by `fade` a period, and the mode is idle. A later pattern begins a new one.",
-    "- SELECT, START, PUSH and STOP end it, and so does all that switches outputs off, IDENTIFY, a word written to the stream block, and a",
+    "- SELECT, START, PUSH and STOP end it, and so does all that switches outputs off, IDENTIFY, a word written to the stream block or one of the first three",
+    "  of the parameters block, which say where foci lie, and a",
     "  period number that does not follow the one before (of a slave that gets the master's). Then all slots are empty. Patterns that were sent before a",
     "  DISABLE or STOP, or come while a stop input or a missing SYNC keeps outputs off, are dropped without a count.", "",
 ]
@@ -573,14 +581,23 @@ def network_page(net, table):
         f"{net['datagram_bytes']} bytes is a stretch of the line with whole frames; answers gather for 50 µs. All else stays as on a line, but for two numbers:",
         f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time.", "",
         f"- A datagram is dropped whole and counted as damaged when its FCS is wrong, to port {net['port']} a sum of IP or UDP (0 is none), or when there is no",
-        "  room. Dropped without a count: lengths that contradict each other, fragments, IP options, VLAN tags, what is for another address, to all, or to a group.",
-        f"- The **peer** is the first sender of a good datagram, by MAC, IP and port, until it has been silent for {net['silence_ms']} ms. Datagrams of others are refused and",
-        "  counted.",
-        "- Loss of the link, by the PHY's status or its clock, is a break. Nothing that waited in the port is carried out afterwards.",
+        "  room; but a DISABLE or STOP in one without room acts. Dropped without a count: lengths that contradict each other, fragments, IP options, VLAN tags,",
+        "  what is for another address, to all, or to a group. A frame ends with its datagram: one without a zero at its end is given one.",
+        f"- There is room for {2 ** 12:,} bytes of datagrams, beside what has been taken out meanwhile, a byte a clock. A host keeps the bytes of what is not answered",
+        "  below that, or sends again what was dropped.",
+        f"- The **peer** is the first sender of a good datagram, also an empty one, by MAC, IP and port, until it has been silent for {net['silence_ms']} ms. Each good",
+        "  datagram of it, also an empty one, keeps it. Datagrams of others are refused and counted.",
+        "- Loss of the link, by the PHY's status or its clock, is a break, and nothing is left of a datagram in which it happens. Only a board that plays by",
+        "  itself, of which no host has wanted more than to ask, goes on.",
+        "- **A session ends** when the link is lost, when anybody has sent DISABLE to the open port, and when the peer is another than the one before (one that",
+        "  has been silent and comes back is the same). From then on, and for all that was on its way, nothing is done, and each frame is answered with",
+        "  session_ended, an IDENTIFY that was on its way, too. A host sends nothing of that session again, takes no such answer for one to an earlier frame, and",
+        "  tells whoever uses it that outputs are off; not before that, and only if asked, it sends IDENTIFY. A session goes on after a STOP of anybody.",
+        "- A host has no line to break. What stands for it is DISABLE at the open port, which ends the session, also its own.",
         "- There is **no authentication**: use a private wire or switch.", "",
         f"The open port, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. IDENTIFY ({codes['identify']}) only asks, and alone may be sent to all (broadcast).",
-        f"DISABLE ({codes['disable']}) acts as a break does, and STOP ({codes['stop']}) as that command. The answer is `H`, `G`, the command | 0x80, a byte of flags (bit 0: there is a",
-        "peer; bit 1: outputs were on), the identity block, and three counters of 16 bits: datagrams taken, refused, damaged.", "",
+        f"DISABLE ({codes['disable']}) switches off and ends the session, and STOP ({codes['stop']}) is as that command. The answer is `H`, `G`, the command | 0x80, a byte of flags (bit 0: there is a",
+        "peer; bit 1: outputs were on as the question came), the identity block, and three counters of 16 bits: datagrams taken, refused, damaged.", "",
     ]
 
 

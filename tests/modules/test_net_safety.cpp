@@ -326,6 +326,7 @@ private:
     }
     void press_stop() {
         happens_off(network.now_ns);
+        if (!acts_by_) acts_by_ = network.now_ns + 100;  // it is sampled twice
         press(network, network.bench.number(100, 3'000));
         happens_off(network.now_ns - 25);
     }
@@ -354,7 +355,7 @@ private:
     void look() {
         follow_line();
         const bool on = network.bench->o_enabled, played = network.bench->o_index != 0;
-        // DISABLE has acted 20 clocks behind the end of its datagram.
+        // DISABLE has acted 20 clocks behind the end of its datagram, the switch 5 clocks behind its edge.
         if (acts_by_ && network.now_ns > *acts_by_) {
             if (on && !any(Command::enable, off_))
                 wrong = "a DISABLE has not acted at " + std::to_string(network.now_ns);

@@ -41,7 +41,8 @@ public:
     std::vector<std::uint8_t> old;  ///< of each byte for the instrument, what it was sent before
     long now = 0;                   ///< in clocks of the PHY
     bool clock_runs = true;
-    std::uint8_t status;  ///< what the PHY tells between frames
+    long half_ps = half_eth_ps;  ///< of the PHY's clock
+    std::uint8_t status;         ///< what the PHY tells between frames
 
     explicit Port(std::uint8_t told = up) : status(told) {
         bench->eth_clk = 0;
@@ -63,7 +64,7 @@ public:
             if (level) watch_sent();
             bench->eth_clk = clock_runs && level;
             evaluate();
-            time_ps_ += half_eth_ps;
+            time_ps_ += half_ps;
         }
         ++now;
     }
@@ -448,6 +449,54 @@ TEST_CASE("a PHY that tells no status has a link as long as its clock runs") {
     port.clock_runs = false;
     port.idle(1000);
     CHECK(port.breaks == 1);
+}
+
+TEST_CASE("a PHY's clock that is too slow is no link, and is lost at most once") {
+    Port port(untold);  // it need not tell that it is at 10 Mbit/s
+    port.breaks = 0;
+    port.half_ps = 200'000;  // 2.5 MHz
+    port.idle(400);
+    CHECK(port.breaks == 1);
+    port.idle(2000);
+    CHECK(port.breaks == 1);
+    port.core.clear();
+    port.send(net::whole(net::udp_frame(net::host, net::board, random_bytes(port, 30))));
+    port.settle();
+    CHECK(port.core.empty());
+    port.half_ps = half_eth_ps;
+    port.idle(600);
+    CHECK(port.breaks == 1);
+    port.check(net::whole(net::udp_frame(net::host, net::board, random_bytes(port, 30))));
+}
+
+TEST_CASE("what is in the port when something happens comes out as old, what comes later as new") {
+    using namespace net;
+    Port port;
+    port.answers = false;
+    port.check(whole(udp_frame(host, board, Bytes(30, 1))));
+    const int what = GENERATE(0, 1, 2);  // the instrument switches off; STOP and DISABLE of anybody
+    const std::uint8_t bits[] = {1, 2, 5};
+    port.core.clear();
+    port.old.clear();
+    port.takes = 0.02;
+    port.send(whole(udp_frame(host, board, Bytes(99, 2) + Bytes{0})));
+    if (what == 0) {
+        const Bytes second = preamble + whole(udp_frame(host, board, Bytes(199, 3) + Bytes{0}));
+        for (std::size_t k = 0; k < second.size(); ++k) {  // is arriving then
+            port.bench->i_off = k >= 3 && k < 10;
+            port.clock(true, second[k]);
+        }
+    }
+    if (what == 1) port.send(whole(question(stranger, 9)));
+    if (what == 2) port.send(whole(question(stranger, 5)));
+    port.idle(40);
+    const std::size_t before = what == 0 ? 300 : 100;
+    port.send(whole(udp_frame(host, board, Bytes(49, 4) + Bytes{0})));
+    port.takes = 1;
+    port.settle();
+    REQUIRE(port.old.size() >= before + 50);
+    for (std::size_t k = 20; k < before; ++k) REQUIRE(port.old[k] == bits[what]);
+    for (std::size_t k = before; k < before + 50; ++k) REQUIRE(port.old[k] == 0);
 }
 
 TEST_CASE("replies that come within a short time go in one datagram, and without a peer nowhere") {

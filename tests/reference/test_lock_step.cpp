@@ -148,6 +148,41 @@ TEST_CASE("reference: a STOP and a break of the network act at the same clock") 
     }
 }
 
+TEST_CASE("reference: a board that plays by itself plays on when its network is lost, until a host has taken over") {
+    sim::SimulatedBoard core("small-16-net");
+    sim::ReferenceBoard reference("small-16-net");
+    LockStep boards(core, reference);
+    std::vector<std::uint16_t> record(20, 0);
+    interface::record_field::cycle_length.set(record, 1250);
+    interface::record_field::prescaler.set(record, 1);
+    interface::record_field::pulse_length.set(record, 100);
+    boards.both([&](sim::Board& board) {
+        std::ranges::copy(record, board.primary_memory().begin());
+        board.sequence_memory()[0] = 1U << 15 | 1;
+        board.sequence_memory()[1] = 1U << 16 | 1;
+        board.reset(4);
+    });
+    const auto on_after = [&](std::uint64_t clocks) {
+        const std::string difference = boards.run(clocks);
+        INFO(difference);
+        REQUIRE(difference.empty());
+        return core.outputs().enabled;
+    };
+    const auto loses = [&] { boards.both([](sim::Board& board) { board.network_lost(); }); };
+    REQUIRE(on_after(5000));
+    loses();
+    REQUIRE(on_after(5000));
+    send(boards, 3, interface::Command::identify, {});  // which only asks
+    REQUIRE(on_after(5000));
+    loses();
+    REQUIRE(on_after(5000));
+    send(boards, 4, interface::Command::identify, {});
+    send(boards, 5, interface::Command::keep_alive, {});
+    REQUIRE(on_after(5000));
+    loses();
+    REQUIRE_FALSE(on_after(5000));
+}
+
 TEST_CASE("reference: no reply and no pulse differs from the tile's") {
     compare("tile-100", size(100'000, 300), Catch::rngSeed());
 }
