@@ -349,7 +349,7 @@ module haptogram_core #(
                 .i_set_sample(write && region == `HG_REGION_MODULATION), .i_set_address(set_address[15:0]), .i_set_word(frame_word),
                 .i_read_address(read_address[15:0]), .o_parameter_word(parameter_word), .o_sample_word(sample_word),
                 .o_fetching(sampling), .o_foci_base(foci_base), .o_foci_count(foci_count), .o_foci_last(foci_last),
-                .i_streams(streams), .o_go(go), .i_fades(fades), .i_fade(fade),
+                .i_streams(streams || stream_drop), .o_go(go), .i_fades(fades), .i_fade(fade),
                 .i_modulate(does_modulate), .i_divider(argument_0), .i_length(argument_1), .i_form(argument_2),
                 .i_modulates(modulates), .i_at_pass_end(at_pass_end),
                 .i_enable(does_enable), .i_disable(disables), .i_mute(mute),

@@ -180,7 +180,7 @@ void ReferenceBoard::play(Clock clock) {
                             .off = off_,
                             .hold = step.holds,
                             .common = together,
-                            .streams = source_.streams(clock),
+                            .streams = source_.streams(clock) || source_.drops_stream(clock),
                             .fade = fades_from_ <= clock ? std::optional(stream_.fade()) : std::nullopt});
     if (waits_for_memory_ && (source_.drops(clock) || source_.drops_silence(clock))) reply_at_ = clock + 1;
     const bool followed = source_.followed();

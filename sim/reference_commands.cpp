@@ -220,7 +220,8 @@ interface::Status ReferenceBoard::verdict() const {
         case Command::gate:
             if (p_.schedule == 0) return Status::unknown_command;
             if (schedule_.busy(argument_period())) return Status::gate_busy;
-            return p_.trigger != 0 && stopped_ && argument_period() == Schedule::at_trigger ? Status::stopped : Status::ok;
+            return p_.trigger != 0 && stopped_ && argument_period() == Schedule::at_trigger ? Status::stopped
+                                                                                            : Status::ok;
         case Command::sync:
             if (p_.sync == 0) return Status::unknown_command;
             return argument(0) > static_cast<unsigned>(interface::Role::slave) ? Status::bad_range : Status::ok;

@@ -117,7 +117,7 @@ void EntrySource::stream_offers(Clock clock, std::uint16_t index) {
 
 void EntrySource::stream_withdraws(Clock clock) {
     stream_->offered = never;
-    drop_silence_ = clock + 1;
+    drop_silence_ = stream_drop_ = clock + 1;
 }
 
 void EntrySource::header_written(Clock clock, std::uint16_t half) {

@@ -69,6 +69,8 @@ public:
     /// Whether what is being prepared is dropped in this clock.
     [[nodiscard]] bool drops(Clock clock) const { return drop_first_ <= clock && clock <= drop_last_; }
     /// Whether silence that is being prepared, or is prepared, is dropped in this clock.
+    /// What a stream has offered is dropped; until then it plays nothing before its time.
+    [[nodiscard]] bool drops_stream(Clock clock) const { return clock == stream_drop_; }
     [[nodiscard]] bool drops_silence(Clock clock) const { return clock == drop_silence_; }
     /// The clock from which on an entry can be taken.
     [[nodiscard]] Clock offered() const;
@@ -112,7 +114,7 @@ private:
     Clock drop_first_ = never, drop_last_ = 0;
     std::optional<Start> follower_;
     Clock follow_from_ = never, ended_ = never;  // from which on it may begin, and nothing is left of what plays
-    Clock drop_silence_ = never;
+    Clock stream_drop_ = never, drop_silence_ = never;
     bool followed_ = false;
     struct Stream {
         Clock from, to = never, offered = never;

@@ -148,6 +148,65 @@ TEST_CASE("reference: a STOP and a break of the network act at the same clock") 
     }
 }
 
+TEST_CASE("reference: of a stream of timings that ends, a pattern plays in its own period or not at all") {
+    constexpr std::uint16_t first = 10, slots = 16;
+    constexpr std::uint64_t cycle = 1250;
+    sim::SimulatedBoard core("small-16-net");
+    std::vector<sim::CycleStart> starts;
+    core.on_cycle_start([&](const sim::CycleStart& start) { starts.push_back(start); });
+    std::vector<std::uint16_t> record(20, 100);
+    std::fill_n(record.begin(), interface::record_header_words, 0);
+    interface::record_field::cycle_length.set(record, cycle);
+    interface::record_field::prescaler.set(record, 1);
+    interface::record_field::pulse_length.set(record, 100);
+    for (std::size_t slot = 0; slot < slots; ++slot)
+        std::ranges::copy(record, core.primary_memory().begin() + static_cast<std::ptrdiff_t>(20 * (first - 1 + slot)));
+    const auto say = [&](std::uint8_t number, interface::Command command, const std::vector<std::uint8_t>& payload) {
+        core.send(link::encode_request(number, command, payload));
+    };
+    const auto bytes = [](std::initializer_list<std::uint32_t> values) {
+        std::vector<std::uint8_t> all;
+        for (const std::uint32_t value : values)
+            all.insert(all.end(), {static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value >> 8)});
+        return all;
+    };
+    std::uint8_t number = 0;
+    unsigned played = 0, dropped = 0;
+    for (std::uint64_t before = 2200; before > 40; before -= 30) {
+        const std::uint8_t session = number;
+        say(number++, interface::Command::identify, {});
+        say(number++, interface::Command::watchdog, bytes({0}));
+        say(number++, interface::Command::write, bytes({0, 0x9000, first, 4, 0, 65535}));
+        say(number++, interface::Command::enable, {});
+        core.run(4 * cycle);
+        const std::uint64_t period = starts.size() + 5, begins = starts.back().clock + 5 * cycle;
+        std::vector<std::uint8_t> pattern = bytes({static_cast<std::uint32_t>(period & 0xffff), 0, 0});
+        pattern.resize(6 + 32, 1);
+        say(session, interface::Command::stream, pattern);
+        core.run(begins - before - core.now());
+        const std::size_t from = starts.size();
+        if (before % 60 == 40)
+            say(number++, interface::Command::identify, {});
+        else
+            say(number++, interface::Command::write, bytes({4, 0x9000, 0}));
+        core.run(12 * cycle);
+        bool seen = false;
+        for (std::size_t k = from; k < starts.size(); ++k) {
+            if (starts[k].index == 0 || starts[k].index == starts[from - 1].index) continue;
+            if (!seen) {
+                CAPTURE(before, k, period, starts[k].index);
+                CHECK(k + 1 == period);
+            }
+            seen = true;
+        }
+        ++(seen ? played : dropped);
+        say(number++, interface::Command::stop, {});
+        core.run(4 * cycle);
+    }
+    CHECK(played > 5);
+    CHECK(dropped > 5);
+}
+
 TEST_CASE("reference: a board that plays by itself plays on when its network is lost, until a host has taken over") {
     sim::SimulatedBoard core("small-16-net");
     sim::ReferenceBoard reference("small-16-net");
