@@ -160,7 +160,7 @@ TEST_CASE("flash: who speaks while an image is read ends that, and is understood
 
 TEST_CASE("flash: the first frame of who speaks while an image is read needs no zero before it", "[flash]") {
     const Bytes flash = link::flash_image(three(), true, "image");
-    for (std::uint64_t clocks = 20'000; clocks < 20'064; ++clocks) {
+    for (std::uint64_t clocks = 20'000; clocks < 20'064; clocks += 5) {
         CAPTURE(clocks);
         Bench bench;
         bench.board.write_flash(first, flash);

@@ -287,6 +287,7 @@ private:
     struct Datagram {
         std::vector<std::pair<unsigned, Command>> frames;
         bool anybodys = false, peers = true;
+        double begun = 0;
     };
 
     void identify() {
@@ -392,7 +393,8 @@ private:
     void follow_line() {
         for (; !network.begun.empty(); network.begun.pop_front()) {
             const double ns = network.begun.front();
-            const Datagram& datagram = datagrams_[begun_++];
+            Datagram& datagram = datagrams_[begun_++];
+            datagram.begun = ns;
             if (!datagram.peers) continue;
             for (const auto& [number, command] : datagram.frames) {
                 if (command == Command::identify) session_ = ns;
@@ -403,7 +405,7 @@ private:
         }
         for (; !network.ended.empty(); network.ended.pop_front()) {
             const double ns = network.ended.front();
-            if (ns < deaf_to_) {
+            if (datagrams_[ended_].begun < deaf_to_) {
                 ++ended_;
                 continue;
             }
