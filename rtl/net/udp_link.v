@@ -83,7 +83,8 @@ module udp_link #(
 
     // ---- What happens, and what is old then. Nothing of a new peer is: its address is known before its datagram is here.
 
-    wire anybodys, said = taken && may;
+    wire anybodys;
+    wire said = taken && may;
     strobe_crossing off (.i_clk(eth_clk), .i_strobe(disable_asked || (said && early_disable)), .o_clk(clk), .o_strobe(o_off));
     strobe_crossing stop (.i_clk(eth_clk), .i_strobe(stop_asked || (said && early_stop)), .o_clk(clk), .o_strobe(o_stop));
     strobe_crossing anybody (.i_clk(eth_clk), .i_strobe(disable_asked), .o_clk(clk), .o_strobe(anybodys));
