@@ -214,7 +214,7 @@ def phases_at_the_pins(folder, image):
     with virtual_board(folder, "--image", image, "--pulses", "pins.csv") as board:
         ask(folder, "play", "--loops", "1", "--watchdog", "0")
         board.send_signal(signal.SIGINT)
-        assert board.wait(120) == 0
+        assert board.wait(300) == 0
     pulses = pd.read_csv(folder / "pins.csv")
     (folder / "pins.csv").unlink()
     clocks = 1250  # of a carrier period
@@ -257,7 +257,7 @@ def test_a_board_that_computes_foci_weighs_its_channels(tmp_path):
             ask(tmp_path, "upload", "point.hex")
             ask(tmp_path, "play", "--loops", "1", "--watchdog", "0")
             board.send_signal(signal.SIGINT)
-            assert board.wait(120) == 0
+            assert board.wait(300) == 0
         pulses = pd.read_csv(tmp_path / "pins.csv")
         assert not set(pulses.channel) & set(dead)
         middle, width = (pulses.rise_clk + pulses.fall_clk) / 2 % 1250, (pulses.fall_clk - pulses.rise_clk) / 1250

@@ -177,7 +177,7 @@ def test_what_could_be_told_apart(tmp_path):
 
 def test_pictures(tmp_path):
     image = compiled(tmp_path, "am", *POINT, "--am", "square:200")
-    succeed(["feel", image, "-o", "feel.png"], cwd=tmp_path, timeout=120)
+    succeed(["feel", image, "-o", "feel.png"], cwd=tmp_path, timeout=300)
     assert (tmp_path / "feel.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     refuse(tmp_path, ["feel", image, "-o", "feel.csv"], USAGE, "--output", "png", outputs=("feel.csv",))
 

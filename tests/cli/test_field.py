@@ -153,7 +153,7 @@ def test_the_surface_half_the_greatest_pressure(small):
 
 @pytest.mark.parametrize("arguments", [["image.hex", "--step", 8], ["--focus", "0,0,100", "--line", "z@x=0,y=0", "--quantity", "spl"]])
 def test_a_picture(arguments, small):
-    said = succeed(["field", *arguments, "-o", "f.png"], cwd=small.folder, timeout=60)
+    said = succeed(["field", *arguments, "-o", "f.png"], cwd=small.folder, timeout=300)
     assert said.stdout == b"" and b"points by" in said.stderr
     content = (small.folder / "f.png").read_bytes()
     width, height = struct.unpack(">II", content[16:24])
@@ -165,7 +165,7 @@ def test_what_probes_read_of_an_image_and_of_its_pulses(tmp_path):
     """Hoshi's measurement, on a small board: a focus under a square of 100 Hz, along x; and the other paper's."""
     board = ["--board", "small-16-wide", "--array", array_for("small-16-wide", tmp_path)]
     succeed(["compile", "--shape", "point", "--center", "0,0,60", *board, "--am", "square:100", "-o", "image.hex"], cwd=tmp_path)
-    succeed(["simulate", "image.hex", "--load", "direct", "--passes", 3, "--pulses", "p.csv"], cwd=tmp_path, timeout=120)
+    succeed(["simulate", "image.hex", "--load", "direct", "--passes", 3, "--pulses", "p.csv"], cwd=tmp_path, timeout=300)
     line = ["--line", "x@y=0,z=60", "--extent", 12, "--step", 3]
     pins = ["--pulses", "p.csv", "--manifest", "image.json"]
     (header, asked), (_, measured) = (field_of(tmp_path, *what, *line, "--probe", "hoshi:100") for what in (["image.hex"], pins))

@@ -72,7 +72,7 @@ def with_status(frame, alter):
 
 
 def findings(folder, *options, port="port", code=OK):
-    said = run(["device", "self-test", "--port", port, "--json", *options], cwd=folder, timeout=120)
+    said = run(["device", "self-test", "--port", port, "--json", *options], cwd=folder, timeout=300)
     assert said.returncode == code, text(said.stderr)
     return {finding["check"]: finding for finding in json.loads(said.stdout)}
 
@@ -90,7 +90,7 @@ def asked(folder, answers, *options):
     for answer in answers:
         os.write(ours, answer.encode() + b"\n")
     os.write(ours, b"\x04")
-    said, complaint = process.communicate(timeout=60)
+    said, complaint = process.communicate(timeout=300)
     os.close(ours)
     return process.returncode, text(said), text(complaint)
 
@@ -109,7 +109,7 @@ def test_channels_play_one_after_the_other_and_then_all_at_once(tmp_path):
     with reference_board(tmp_path, "--pulses", "pulses.csv") as board:
         findings(tmp_path, "--check", "channels,point", "--channels", "7", "9", "--channel-seconds", "0.1", "--point-seconds", "0.1")
         board.send_signal(signal.SIGINT)
-        board.communicate(timeout=30)
+        board.communicate(timeout=300)
     rows = [[int(n) for n in line.split(",")] for line in (tmp_path / "pulses.csv").read_text().splitlines()[1:]]
     order = []
     for channel, *_ in rows:
@@ -197,6 +197,6 @@ def test_an_unplugged_board_is_named(tmp_path):
     with reference_board(tmp_path) as board:
         timer = threading.Timer(0.5, board.kill)
         timer.start()
-        said = run(["device", "self-test", "--port", "port", "--check", "clock"], cwd=tmp_path, timeout=60)
+        said = run(["device", "self-test", "--port", "port", "--check", "clock"], cwd=tmp_path, timeout=300)
         assert said.returncode == DEVICE and "port" in text(said.stderr)
         timer.join()

@@ -64,7 +64,7 @@ def folder(tmp_path_factory):
         for name, file in (("timings", "hex"), ("amplitudes", "hex"), ("foci", "hex"), ("wall", "json")):
             if (name, wave) == ("wall", "sine"):
                 continue  # four boards take half a minute
-            support.succeed(["simulate", f"{name}-{wave}.{file}", "--passes", 3, "--pulses", f"{name}-{wave}.csv"], cwd=folder, timeout=120)
+            support.succeed(["simulate", f"{name}-{wave}.{file}", "--passes", 3, "--pulses", f"{name}-{wave}.csv"], cwd=folder, timeout=300)
     return folder
 
 
@@ -79,7 +79,7 @@ def ask(folder, verb, source, z):
         "simulate": ["--json"],
         "solve": ["--json"],
     }[verb]
-    done = support.run([verb, *source, *more], cwd=folder, timeout=120)
+    done = support.run([verb, *source, *more], cwd=folder, timeout=300)
     if done.returncode != support.OK:
         return done, None
     if verb == "field":

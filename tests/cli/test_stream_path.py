@@ -17,7 +17,7 @@ def at_the_pins(folder, image, command):
         said = json.loads(ask(folder, *command, "--json").stdout)
         assert status(folder)["modulated"] is ("--path" in command and "--am" in command)  # as after an upload of that path
         board.send_signal(signal.SIGINT)
-        board.communicate(timeout=60)
+        board.communicate(timeout=300)
     rows = np.loadtxt(folder / "pulses.csv", delimiter=",", skiprows=1, dtype=np.int64)
     rows[:, 1:3] -= rows[:, 1].min()
     return said, rows[np.lexsort(rows.T)]

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from conftest import ROOT, cached, like_the_build, run
+from building import ROOT, cached, like_the_build, run
 
 CONSUMER = Path(__file__).parent / "consumer"
 EXAMPLES = ROOT / "host"

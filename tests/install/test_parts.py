@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, like_the_build, run
+from building import ROOT, like_the_build, run
 
 USAGE = 2
 # As if it were not installed.

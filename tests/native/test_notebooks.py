@@ -8,7 +8,7 @@ import haptogram_native
 import nbclient
 import nbformat
 import pytest
-from conftest import PROGRAM, ROOT
+from pistons import PROGRAM, ROOT
 
 sys.path.insert(0, str(ROOT / "tools/docs"))
 import notebooks  # noqa: E402

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a chain behind one port: as bytes, and with two Verilated boards."""
+"""Tiles of a chain behind one port: as bytes, and with two Verilated processes."""
 import random
 import time
 
 import pytest
-from boards import virtual_board
+from processes import virtual_board
 from haptogram import Client, HaptogramError
 from haptogram.chain import ChainedLine, header, split
 
