@@ -16,6 +16,15 @@ def pytest_unconfigure():
     shutil.rmtree(os.environ["XDG_STATE_HOME"], ignore_errors=True)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Cases with a fixture that their module calls MADE_ONCE are one worker's, when there are several workers, and groups begin first."""
+    for item in items:
+        if set(item.fixturenames) & set(getattr(item.module, "MADE_ONCE", ())):
+            item.add_marker(pytest.mark.xdist_group(item.module.__name__))
+    items.sort(key=lambda item: not any(item.iter_markers("xdist_group")))
+
+
 @pytest.fixture
 def figure(record_property):
     """figure(what, found, target, unit): a line of the table at the end; only beyond three times the target it fails."""

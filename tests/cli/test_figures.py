@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from support import PROGRAM, ROOT, USAGE
 
+MADE_ONCE = ["made"]
 ONLY = ["haptogram-11", "haptogram-13", "hoshi-force", "hoshi-7", "hoshi-12c", "hoshi-eq9", "fingers-7"]
 
 

@@ -101,7 +101,7 @@ HAND = ["live", "--from", "synthetic:press", "--object", "sphere", "--size", "80
 @pytest.mark.parametrize("algorithm", ["A", "H", "L", "ring", "still"])
 @pytest.mark.parametrize("board", ["tile-100-wide", "tile-100-3m"])
 def test_a_hand_feels_by_every_kind_of_algorithm(tmp_path, algorithm, board):
-    command = [*HAND, "--algorithm", algorithm, "--port", f"reference:{board}", "--seconds", "1", "--json"]
+    command = [*HAND, "--algorithm", algorithm, "--port", f"reference:{board}", "--seconds", "0.3", "--json"]
     done = succeed(command, cwd=tmp_path)
     felt = json.loads(done.stdout)
     assert felt["missed"] == 0 and felt["underruns"] == 0 and felt["lost"] == 0
@@ -147,7 +147,7 @@ MEASURES = {
 @pytest.mark.parametrize("algorithm", MEASURES)
 def test_an_algorithm_has_the_measures_that_render_gives_it(tmp_path, algorithm):
     """Each changes what is played; of another algorithm it is refused."""
-    words = ["live", "--from", "synthetic:press", "--object", "cube", "--size", "80", "--center", "0,40,160", "--seconds", "0.3", "--port", "reference:tile-100-wide", "--scene", "s"]
+    words = ["live", "--from", "synthetic:press", "--object", "cube", "--size", "80", "--center", "0,40,160", "--seconds", "0.1", "--port", "reference:tile-100-wide", "--scene", "s"]
 
     def played(letter, *more):
         succeed([*words, "--algorithm", letter, *more], cwd=tmp_path)

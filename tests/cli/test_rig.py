@@ -13,6 +13,7 @@ import tty
 import pytest
 from support import BAD_INPUT, DEVICE, PROGRAM, RATE_NOTE, USAGE, assert_one_message, board_run, open_raw, path_file, run, succeed, text
 
+MADE_ONCE = ["boards"]
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
 [[unit]]
@@ -273,17 +274,20 @@ def chain(folder, *options):
         process.communicate(timeout=300)
 
 
+RATE = ["--baud", "1000000"]  # is not asked for, which a Verilated board on a busy machine would be too slow for
+
+
 def test_a_rig_behind_one_port(pair):
     with chain(pair):
-        listed = json.loads(succeed(["device", "list", "--port", "port", "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
+        listed = json.loads(succeed(["device", "list", "--port", "port", *RATE, "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
         assert [(tile["port"], tile["channels"]) for tile in listed] == [("port#1", 100), ("port#2", 100)]
-        succeed(["upload", "--rig", "wall.json", "--port", "port"], cwd=pair, timeout=PATIENCE_S)
-        states = json.loads(succeed(["device", "status", "--rig", "wall.json", "--port", "port", "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
+        succeed(["upload", "--rig", "wall.json", "--port", "port", *RATE], cwd=pair, timeout=PATIENCE_S)
+        states = json.loads(succeed(["device", "status", "--rig", "wall.json", "--port", "port", *RATE, "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
         assert [(tile["port"], tile["holds_its_image"]) for tile in states] == [("port#1", True), ("port#2", True)]
-        played = json.loads(succeed(["play", "--rig", "wall.json", "--port", "port", "--loops", 2, "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
+        played = json.loads(succeed(["play", "--rig", "wall.json", "--port", "port", *RATE, "--loops", 2, "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
         assert (played["lost"], played["refused_records"]) == ([], 0)
         # The ports in the wrong order: each tile holds the other's image.
-        result = run(["play", "--rig", "wall.json", "--port", "port#2", "--port", "port#1"], cwd=pair, timeout=PATIENCE_S)
+        result = run(["play", "--rig", "wall.json", "--port", "port#2", "--port", "port#1", *RATE], cwd=pair, timeout=PATIENCE_S)
         assert_one_message(result, DEVICE, "tile 1", "port#2")
 
 

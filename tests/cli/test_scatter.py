@@ -43,6 +43,9 @@ def write_obj(path, corners, triangles):
     path.write_text("\n".join(lines) + "\n")
 
 
+MADE_ONCE = ["ball"]
+
+
 @pytest.fixture(scope="module")
 def ball(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scatter")

@@ -53,6 +53,9 @@ def first_cycle(image, pulses):
     return pulses[pulses[:, 0] == channel, 1].min() - first["timings"][channel] * first["prescaler"]
 
 
+MADE_ONCE = ["played"]
+
+
 @pytest.fixture(scope="module")
 def played(compiled, tmp_path_factory):
     """The small image, played once in each way."""

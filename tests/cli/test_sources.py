@@ -44,6 +44,9 @@ def path_json(focus, wave):
     return json.dumps(path)
 
 
+MADE_ONCE = ["folder"]
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Everything that plays one focus, once under each modulation, and the pulses of what boards play."""

@@ -19,6 +19,12 @@ PLACES = [(10.0 * (k % 4) - 15, 10.0 * (k // 4) - 15, 0.0) for k in range(16)]
 CLIENT_LINES = 150
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """No line here loses anything; a Verilated board on a busy machine answers late."""
+    monkeypatch.setattr(page, "PATIENCE_S", 60)
+
+
 class Bench:
     """A virtual board of `configuration` as a process, its port, and in the end the pulses at its pins."""
 

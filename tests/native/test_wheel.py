@@ -10,14 +10,14 @@ import sys
 import pytest
 from pistons import PROGRAM, ROOT
 
+pytestmark = [pytest.mark.deep, pytest.mark.xdist_group("wheel")]
+
 OPTIONS = {"HAPTOGRAM_QUICK": "OFF", "HAPTOGRAM_WERROR": "ON", "Python3_EXECUTABLE": sys.executable}
 COMMANDS = ("haptogram", "haptogram-py", "haptogram-realsense", "haptogram-leap", "haptogram-study", "haptogram-sweep")
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    if not os.environ.get("HAPTOGRAM_WHEEL"):
-        pytest.skip("builds the program again; ctest asks for it")
     folder = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip"]
     settings = [f"--config-settings=cmake.define.{name}={value}" for name, value in OPTIONS.items()] + ["--config-settings=build-dir=build/wheel-test"]

@@ -9,6 +9,7 @@ import processes
 import pytest
 from processes import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, haptogram, python_command, run, virtual_board
 from haptogram import Image
+from patience import also_in_time
 
 def status(folder):
     return json.loads(ask(folder, "device", "status", "--json"))
@@ -59,16 +60,20 @@ def test_play_ends_with_outputs_off(folder):
         assert (now["outputs"], now["index"], now["watchdog_trips"]) == ("off", 0, 0)
 
 
-def test_a_stream_is_played_in_order(folder):
+@also_in_time
+def test_a_stream_is_played_in_order(folder, in_time):
+    """What the board holds lasts 13 ms, so that only on an idle machine it is never late. The order is the same on any."""
     (folder / "lines").write_text("".join(f"{1 + i % 4}\n" for i in range(300)) + "5 7\r\n 6,8")
     with virtual_board(folder, "--image", "image.hex", "--pulses", "pulses.csv") as board:
-        assert json.loads(ask(folder, "stream", "lines", "--dwell", 2, "--json")) == {"sent": 302, "underruns": 0, "refused_records": 0, "interrupted": False}
+        said = json.loads(ask(folder, "stream", "lines", "--dwell", 2, "--json"))
+        assert said == {"sent": 302, "underruns": 0 if in_time else said["underruns"], "refused_records": 0, "interrupted": False}
         assert status(folder)["outputs"] == "off"
         board.send_signal(signal.SIGINT)
         board.communicate(timeout=300)
     rows = [[int(n) for n in line.split(",")] for line in (folder / "pulses.csv").read_text().splitlines()[1:]]
     played = [row[3] for row in sorted(rows) if row[0] == 0 and row[3] > 0]
-    assert played[-15:] == [5] * 7 + [6] * 8  # one pulse a cycle
+    if in_time:
+        assert played[-15:] == [5] * 7 + [6] * 8  # one pulse a cycle
     changes = [a for a, b in zip(played, played[1:], strict=False) if a != b]
     assert changes == [1 + i % 4 for i in range(300)] + [5]
 

@@ -54,7 +54,7 @@ def lossy(port, seed):
             os.close(descriptor)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.deep)])
 def test_an_upload_arrives_whole(folder, image, seed):
     with processes.virtual_board(folder):
         with lossy(str(folder / "port"), seed) as (port, harm), Client.open(port) as client:
@@ -65,7 +65,7 @@ def test_an_upload_arrives_whole(folder, image, seed):
         assert "read back and equal" in processes.haptogram(folder, "upload", "image.hex", "--port", "port", "--verify")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.deep)])
 def test_an_upload_of_the_program_arrives_whole(folder, image, seed):
     """The other client on the same line."""
     with processes.virtual_board(folder):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The runner as an experimenter meets it: sessions that are killed and go on, files of results, analyses, power."""
+import contextlib
 import datetime
+import io
 import itertools
 import json
 import math
@@ -22,7 +24,7 @@ import scipy.ndimage
 from patience import also_in_time, until
 from processes import BAD_INPUT, DEVICE, OK, RUN_FAILED, USAGE, haptogram, run, virtual_board
 from haptogram import HaptogramError
-from haptogram.study import analysis, figures, observers, protocol, results, touching
+from haptogram.study import analysis, cli, figures, observers, protocol, results, touching
 from haptogram.study.asking import Occasion
 from haptogram.study.design import cells
 from haptogram.study.session import Session
@@ -265,11 +267,21 @@ def write(path, given):
     path.write_text("".join(json.dumps(record) + "\n" for record in given))
 
 
+def here(place, *args):
+    """The exit code, standard output and standard error of haptogram-study, of which a process of its own would load the statistics each time."""
+    out, said = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
+        patch.chdir(place)
+        patch.setattr(sys, "argv", ["haptogram-study", *map(str, args)])
+        code = int(cli.main())
+    return code, out.getvalue(), said.getvalue()
+
+
 def analysed(place, *args, code=OK, name="small.toml"):
     """The text and the JSON of an analysis, or what was said when it was refused."""
-    text, made = (run(study("analyse", name, *args, *more), place) for more in ((), ("--json",)))
-    assert (text.returncode, made.returncode) == (code, code) and "Traceback" not in text.stderr, text.stderr
-    return text.stderr if code else (text.stdout.splitlines(), json.loads(made.stdout))
+    text, made = (here(place, "analyse", name, *args, *more) for more in ((), ("--json",)))
+    assert (text[0], made[0]) == (code, code), text[2]
+    return text[2] if code else (text[1].splitlines(), json.loads(made[1]))
 
 
 def test_a_simulated_study_says_so_first(place):
@@ -284,9 +296,9 @@ def test_a_simulated_study_says_so_first(place):
     # Keyboard and page are both people.
     lines, made = analysed(place, "p1.jsonl", "p2.jsonl")
     assert lines[:2] == ["answers of 2 people", "rate (binomial)"] and made["simulated"] is False and made["observers"] == {"keyboard": 1, "page": 1}
-    said = run(study("power", "small.toml", "--runs", 2, "--observer", "simulated:chance"), place).stdout
+    said = here(place, "power", "small.toml", "--runs", 2, "--observer", "simulated:chance")[1]
     assert said.startswith("SIMULATED: 2 studies with 2 × simulated:chance")
-    assert json.loads(run(study("power", "small.toml", "--runs", 2, "--json"), place).stdout)["simulated"] is True
+    assert json.loads(here(place, "power", "small.toml", "--runs", 2, "--json")[1])["simulated"] is True
 
 
 def test_people_and_simulated_observers_do_not_mix(place):
@@ -496,6 +508,7 @@ def test_a_hand_that_touches_answers_what_the_task_found(place):
     assert_says(run(session("--observer", "simulated:hand"), place), BAD_INPUT, "fingers_surface", "another observer")
 
 
+@pytest.mark.deep
 def test_a_hand_that_lifts_answers_what_the_task_found(place):
     """A short session: times of cubes that were lifted, and ratings of what was lifted and felt."""
     text = protocol.find("fingers_lift_visible").read_text().replace("sets = 25", "sets = 1").replace("from = 30\nto = 50", "from = 40\nto = 50")
@@ -516,6 +529,7 @@ def test_a_hand_that_lifts_answers_what_the_task_found(place):
     assert [r["answers"] for r in records(place / "h.jsonl")] == [json.loads(line)["answers"] for line in kept]
 
 
+@pytest.mark.deep
 def test_a_hand_that_compares_two_arrays_judges_what_each_plays(place):
     """*Shapes* 2: two renderings, each with noise of its own; swapped sides swap the answer, and one rendering against itself is a guess."""
     command = study("run", "shapes_comparison", "--participant", "1", "--seed", "3", "-o", "c.jsonl", "--observer", "simulated:hand")

@@ -9,6 +9,7 @@ import dask
 import distributed
 import numpy as np
 import pyarrow.parquet
+import pytest
 from haptogram_sweep import plan, run
 from haptogram_sweep.errors import FAILED
 from haptogram_sweep.store import Store
@@ -105,6 +106,7 @@ def wait_for_lines(journal, count, running):
     until(there, f"{count} lines")
 
 
+@pytest.mark.deep
 def test_killed_workers_and_killed_sweeps_lose_nothing(sweep, tmp_path):
     (tmp_path / "plan.toml").write_text(SLOW)
     journal, output = tmp_path / "plan.parquet.part", tmp_path / "plan.parquet"
