@@ -18,6 +18,7 @@ def analyzed(folder, *arguments):
     return json.loads(succeed(["analyze", "image.hex", "--json", *arguments], cwd=folder).stdout)
 
 
+@pytest.mark.check
 def test_a_focus_on_the_axis(centre):
     found = analyzed(centre)
     (point,) = found["points"]

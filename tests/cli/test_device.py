@@ -13,6 +13,7 @@ from patience import also_in_time, bytes_read, until
 from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, ask, assert_one_message, run, status, succeed, text, virtual_board
 
 
+@pytest.mark.check
 def test_info_is_what_the_core_was_built_with(tmp_path):
     with virtual_board(tmp_path) as board:
         info = json.loads(ask(tmp_path, "device", "info", "--json").stdout)
@@ -20,6 +21,7 @@ def test_info_is_what_the_core_was_built_with(tmp_path):
         assert {key: info[key] for key in ("channels", "records", "clock_hz")} == {key: board.says[key] for key in ("channels", "records", "clock_hz")}
 
 
+@pytest.mark.check
 def test_upload_play_and_the_files_of_the_board(tmp_path, image):
     with virtual_board(tmp_path, "--pulses", "pulses.csv", "--model", "rtl") as board:
         assert json.loads(ask(tmp_path, "upload", image, "--verify", "--json").stdout)["verified"]
@@ -241,6 +243,7 @@ def test_the_ports_are_a_list():
     assert len(succeed(["device", "list"]).stdout.splitlines()) == len(ports)
 
 
+@pytest.mark.check
 def test_nothing_to_play(tmp_path):
     with virtual_board(tmp_path):
         assert_one_message(run(["play", "--port", "port"], cwd=tmp_path), DEVICE, "no sequence", "upload")

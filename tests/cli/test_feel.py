@@ -38,6 +38,7 @@ def radiation_pa(manifest, focus_mm, points_mm):
     return (np.abs(p.sum(axis=1)) ** 2 - grazing) / (rho * c**2)
 
 
+@pytest.mark.check
 def test_a_point_under_a_slow_square_wave(tmp_path):
     image = compiled(tmp_path, "slow", *POINT, "--am", "square:100")
     found = feel(tmp_path, image)

@@ -23,6 +23,7 @@ def ideal_pressure(manifest, focus_mm, points_mm):
     return manifest["transducer"]["source_pa_m"] * (np.exp(1j * k * (to_focus - distance)) / distance).sum(axis=1)
 
 
+@pytest.mark.check
 def test_a_focus_of_exact_phases(small):
     header, field = field_of(small.folder, "--focus", "0,0,130", "--line", "x@y=0,z=130", "--extent", 20, "--step", 0.1, "--quantity", "rms")
     assert header == "x_mm,rms_pressure_pa" and len(field) == 401
@@ -82,6 +83,7 @@ def test_how_it_was_computed_and_how_far_it_may_be_off(small):
     assert b"largest velocity" in succeed(["field", *focus, "--step", 20, "--quantity", "velocity"], cwd=small.folder).stderr
 
 
+@pytest.mark.check
 def test_an_image_makes_the_field_of_its_pulses(small):
     succeed(["simulate", "image.hex", "--load", "direct", "--passes", 3, "--pulses", "p.csv"], cwd=small.folder)
     arguments = ["--extent", 40, "--step", 5]
@@ -111,6 +113,7 @@ def test_particle_velocity_far_away_is_that_of_a_plane_wave(small):
     assert np.allclose(velocity[:, 1] * medium["density_kg_m3"] * medium["speed_m_s"], rms[:, 1], rtol=5e-3)
 
 
+@pytest.mark.check
 def test_one_record_of_an_image(small):
     focus = read_json(small.manifest)["records"][2]["focus_mm"]
     _, field = field_of(small.folder, "image.hex", "--record", 3, "--plane", f"xy@z={focus[2]}", "--extent", 40)

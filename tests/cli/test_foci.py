@@ -175,7 +175,7 @@ def test_every_verb_takes_an_image_of_foci_and_its_pulses(board, tmp_path):
     refuse(tmp_path, ["feel", "--pulses", "foreign.csv", "--manifest", "image.json"], BAD_INPUT, "another image's", outputs=())
 
 
-@pytest.mark.parametrize(("am", "mean"), [("sine:200", 3 / 8), ("square:200", 1 / 2), ("square:200:0.25", 1 / 4)])
+@pytest.mark.parametrize(("am", "mean"), [pytest.param("sine:200", 3 / 8, marks=pytest.mark.deep), pytest.param("square:200", 1 / 2, marks=pytest.mark.deep), ("square:200:0.25", 1 / 4)])
 def test_measured_pulses_make_the_mean_of_the_modulations_squares(am, mean, tmp_path):
     """The silent periods count as the others do: ∫(½ + ½·sin)² is 3/8, and a square's is its duty."""
 

@@ -179,6 +179,7 @@ def test_noise_of_the_peer_is_counted_and_nothing_more(tmp_path):
         assert status["outputs"] == "off"
 
 
+@pytest.mark.check
 def test_it_is_found_by_a_question(quiet):
     quiet.until("held", False)
     found = json.loads(succeed(["device", "list", "--net", "--at", quiet.port, "--json"]).stdout)

@@ -148,6 +148,7 @@ def test_the_trace_is_an_fst_file(played):
     assert start < end, "no time passes"
 
 
+@pytest.mark.check
 def test_the_report_on_standard_output(small):
     result = succeed(["simulate", "image.hex", "--load", "direct", "--json"], cwd=small.folder)
     assert json.loads(result.stdout)["contract_violations"] == 0
@@ -201,6 +202,7 @@ def test_another_board(tmp_path):
     assert np.array_equal(pulses, in_order(expected)) and set(pulses[:, 0]) == set(range(13))
 
 
+@pytest.mark.check
 def test_one_point(tmp_path):
     succeed(["compile", "--shape", "point", "--rate", 1000, "-o", "image.hex"], cwd=tmp_path)
     report = json.loads(succeed(["simulate", "image.hex", "--load", "direct", "--json"], cwd=tmp_path).stdout)
@@ -251,6 +253,7 @@ def test_a_common_shift_of_all_channels_is_the_same_focus(small):
     assert json.loads(result.stdout)["points_off"] == 0
 
 
+@pytest.mark.check
 def test_a_channel_that_is_silent(small):
     def silence(image):
         timings = image.records()[0]["timings"]
@@ -385,6 +388,7 @@ def field_of(folder, *arguments):
     return header, np.array([[float(value) for value in row.split(",")] for row in rows])
 
 
+@pytest.mark.check
 def test_the_field_peaks_at_the_focus(single):
     header, field = field_of(single, "--extent", "20", "--step", "1")
     assert header == "x_mm,y_mm,radiation_pressure_pa" and len(field) == 41 * 41
@@ -392,6 +396,7 @@ def test_the_field_peaks_at_the_focus(single):
     assert np.abs(field[np.argmax(field[:, 2]), :2] - [10, -5]).max() <= 1
 
 
+@pytest.mark.check
 def test_the_field_is_that_of_the_piston_model(single):
     """P = α p_rms² / (ρ c²), α = 2 (Hoshi eq. 1–2), from the image's ticks."""
     _, field = field_of(single, "--extent", "60", "--step", "20")

@@ -85,6 +85,7 @@ def upload(folder, *args, port="port"):
     return json.loads(result.stdout)
 
 
+@pytest.mark.check
 def test_only_what_differs_is_written(tmp_path, image):
     other = Image(tmp_path / image)
     other.put16(other.record_word(2, 10), 7)
@@ -97,6 +98,7 @@ def test_only_what_differs_is_written(tmp_path, image):
         assert upload(tmp_path, image, "--verify")["frames_written"] == 1
 
 
+@pytest.mark.check
 def test_a_download_is_what_was_uploaded(tmp_path, image):
     with virtual_board(tmp_path):
         upload(tmp_path, image)
@@ -199,6 +201,7 @@ def test_a_rate_that_cannot_be_made(args, needles, tmp_path, image):
         assert status(tmp_path)["outputs"] == "off"
 
 
+@pytest.mark.check
 def test_a_stream_at_a_rate(tmp_path, image):
     (tmp_path / "lines").write_text("1\n2\n3\n4\n")
     with virtual_board(tmp_path, "--image", image, "--pulses", "pulses.csv") as board:

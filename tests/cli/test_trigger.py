@@ -25,6 +25,7 @@ def trigger(folder, *options):
     return json.loads(ask(folder, "device", "trigger", "--json", *options).stdout)
 
 
+@pytest.mark.check
 def test_what_is_set_stays_and_is_counted(board, running):
     first = trigger(board, "--out", "period", "--every", "400", "--pulse", "0.1")
     assert (first["out"], first["every"], first["pulse_ms"], first["in"]) == ("period", 400, 0.1, "high")
