@@ -91,9 +91,9 @@ def test_a_wrong_rate_is_named(remembers, tmp_path, state):
 
 
 def test_a_wrong_rate_is_named_whatever_it_is(tmp_path, state):
-    """HAPTOGRAM_CASES boards and rates drawn by chance; a board of a rate that is not known is named by none."""
+    """HAPTOGRAM_CASES boards and rates drawn by chance."""
     rng, said = random.Random(int(os.environ.get("HAPTOGRAM_SEED", "1"))), []
-    for _ in range(int(os.environ.get("HAPTOGRAM_CASES", "2"))):
+    for _ in range(int(os.environ.get("HAPTOGRAM_CASES", "1"))):
         board = rng.choice(BOARDS)
         with virtual_board(tmp_path, "--model", "reference", "--board", board) as running:
             right = running.says["baud"]
@@ -103,6 +103,9 @@ def test_a_wrong_rate_is_named_whatever_it_is(tmp_path, state):
                     said.append((board, right, wrong, text(told.stderr)))
         (tmp_path / "port").unlink()
     assert not said
+
+
+def test_a_board_of_a_rate_that_is_not_known_is_named_by_none(tmp_path, state):
     shipped = (ROOT / "constraints/ice40-hx8k-breakout.toml").read_text()
     (tmp_path / "own.toml").write_text(re.sub(r"^BAUD = \d+", "BAUD = 500000", shipped, flags=re.M))
     with virtual_board(tmp_path, "--model", "reference", "--board", "./own.toml") as running:

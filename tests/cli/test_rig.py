@@ -277,6 +277,7 @@ def chain(folder, *options):
 RATE = ["--baud", "1000000"]  # is not asked for, which a Verilated board on a busy machine would be too slow for
 
 
+@pytest.mark.deep
 def test_a_rig_behind_one_port(pair):
     with chain(pair):
         listed = json.loads(succeed(["device", "list", "--port", "port", *RATE, "--json"], cwd=pair, timeout=PATIENCE_S).stdout)

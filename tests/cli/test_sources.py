@@ -129,6 +129,17 @@ def source_for(verb, source):
     return [source[1]] if source[0] == "--pulses" and verb in ("inspect", "simulate", "solve") else source
 
 
+@pytest.fixture
+def few(tmp_path):
+    """A focus without a waveform: as a path, a project, an image of foci, and its pulses."""
+    (tmp_path / "point.xyz").write_text("{} {} {}\n".format(*ONE))
+    (tmp_path / "path-none.json").write_text(path_json(ONE, "none"))
+    (tmp_path / "shapes-none.toml").write_text('format = "haptogram-project-1"\narray = "tile-10x10"\nboard = "tile-100-wide"\nrate_hz = 200\n[[shape]]\nfile = "point.xyz"\n')
+    support.succeed(["compile", "--path", "path-none.json", "--array", "tile-10x10", "--board", "tile-100-wide", "-o", "foci-none.hex"], cwd=tmp_path)
+    support.succeed(["simulate", "foci-none.hex", "--passes", 3, "--pulses", "foci-none.csv"], cwd=tmp_path)
+    return tmp_path
+
+
 @pytest.fixture(scope="module")
 def matrix(folder):
     """A cell each: "yes", or what the refusal says; and all pressures beside what they should be."""
@@ -150,6 +161,19 @@ def matrix(folder):
     return cells, pressures
 
 
+MEASURED = ["--pulses", "foci-none.csv", "--manifest", "foci-none.json"]
+
+
+def test_verbs_tell_the_same_pressure_of_a_focus(few):
+    """The row and column of each that are quick; all of them, under each waveform, are deep."""
+    whole = ask(few, "field", ["--focus={},{},{}".format(*ONE)], ONE[2])[1]
+    for source in (["path-none.json"], ["shapes-none.toml"], ["foci-none.hex"], MEASURED):
+        for verb in ("field", "feel") if source is MEASURED else ("field", "analyze", "feel"):
+            done, pressure = ask(few, verb, source, ONE[2])
+            assert done.returncode == support.OK and math.isclose(pressure, whole, rel_tol=0.025), (source, verb, support.text(done.stderr))
+
+
+@pytest.mark.deep
 def test_every_verb_tells_the_same_pressure(matrix):
     """However a focus is given, and whoever is asked: 2.5 % for the rounding of pulse lengths, and for skin that sound reaches at an angle."""
     _, pressures = matrix
@@ -158,6 +182,7 @@ def test_every_verb_tells_the_same_pressure(matrix):
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.deep
 def test_the_table_in_the_docs(matrix):
     cells, _ = matrix
     notes = sorted({cell for cell in cells.values() if cell != "yes"})
@@ -174,12 +199,11 @@ def test_the_table_in_the_docs(matrix):
     assert PAGE.read_text() == made, "docs/sources.md is out of date: HAPTOGRAM_RECORD=1 writes it"
 
 
-def test_one_record_of_what_was_measured(folder):
+def test_one_record_of_what_was_measured(few):
     """The pressure of pulses of record 1 is that of the image's record 1; a record too many, or of a focus, is refused."""
     line = ["--line", "z@x=5,y=-10", "--z", "150:151"]
-    pulses = ["--pulses", "foci-none.csv", "--manifest", "foci-none.json"]
-    asked = (["foci-none.hex"], pulses)
-    image, measured = (float(support.succeed(["field", *what, "--record", 1, *line], cwd=folder).stdout.split(b",")[-1].split()[-1]) for what in asked)
+    asked = (["foci-none.hex"], MEASURED)
+    image, measured = (float(support.succeed(["field", *what, "--record", 1, *line], cwd=few).stdout.split(b",")[-1].split()[-1]) for what in asked)
     assert math.isclose(image, measured, rel_tol=1e-3)
-    support.refuse(folder, ["field", *pulses, "--record", 9, *line], support.USAGE, "--record", "not 9", outputs=())
-    support.refuse(folder, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, "--record", "excludes", outputs=())
+    support.refuse(few, ["field", *MEASURED, "--record", 9, *line], support.USAGE, "--record", "not 9", outputs=())
+    support.refuse(few, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, "--record", "excludes", outputs=())

@@ -37,7 +37,7 @@ def ring(count, radius=20):
 MODULATION = {"periods_a_sample": 16, "samples": [1.0, 0.6, 0.0, 0.3]}
 
 
-@pytest.mark.parametrize(("board", "modulation", "loops"), [("tile-100", None, 2), ("tile-100", MODULATION, 1), ("small-16-wide", None, 2)], ids=str)
+@pytest.mark.parametrize(("board", "modulation", "loops"), [("tile-100", None, 2), pytest.param("tile-100", MODULATION, 1, marks=pytest.mark.deep), ("small-16-wide", None, 2)], ids=str)
 def test_a_path_makes_the_same_pulses_from_memory_and_live(board, modulation, loops, tmp_path):
     """To the clock: dwells of one period and more, silence, a weak focus, two foci at a time, and amplitude modulation."""
     foci = ring(9)
@@ -126,6 +126,7 @@ def test_on_and_off_between_the_records_of_a_board_that_does_not_modulate(tmp_pa
         assert status(tmp_path)["outputs"] == "off"
 
 
+@pytest.mark.deep
 def test_any_waveform_on_a_board_that_modulates(tmp_path):
     options = ["--board", "small-16-wide", "--array", array_for("small-16-wide", tmp_path)]
     succeed(["compile", "--shape", "point", *options, "-o", "point.hex"], cwd=tmp_path)

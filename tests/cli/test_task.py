@@ -3,6 +3,7 @@
 
 import json
 
+import pytest
 from support import BAD_INPUT, USAGE, refuse, succeed
 
 
@@ -21,6 +22,7 @@ def test_the_same_seed_gives_the_same_trials():
     assert abs(trial["answer_deg"] - trial["asked_deg"]) == abs(trial["angle_error_deg"])
 
 
+@pytest.mark.deep
 def test_a_ring_helps_a_finger_and_nothing_leaves_it_guessing():
     found = {}
     for felt in ("dynamic", "none"):

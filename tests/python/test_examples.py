@@ -49,7 +49,7 @@ def test_upload_image(folder):
 @also_in_time
 def test_stream_circle(folder, figure, in_time):
     with processes.virtual_board(folder, "--pulses", "pulses.csv") as board:
-        said = run(folder, "stream_circle.py", "image.hex", "--seconds", 1, "--rate", 100)
+        said = run(folder, "stream_circle.py", "image.hex", "--seconds", 0.3, "--rate", 100)
         sent, underruns = map(int, re.match(r"(\d+) indices, .* per second, (\d+) underruns", said).groups())
         if in_time:
             figure("underruns of the streamed circle", underruns, 0, "")
@@ -61,7 +61,7 @@ def test_stream_circle(folder, figure, in_time):
 
 def test_follow_point(folder):
     with processes.virtual_board(folder, "--pulses", "pulses.csv") as board:
-        updates = int(re.match(r"(\d+) updates, [\d.]+ per second", run(folder, "follow_point.py", "--seconds", 1))[1])
+        updates = int(re.match(r"(\d+) updates, [\d.]+ per second", run(folder, "follow_point.py", "--seconds", 0.3))[1])
         assert_silent(folder)
         indices = played(folder, board)
     assert 2 < len(indices) <= updates
