@@ -159,6 +159,7 @@ def scan_of(phases, bought, zero, offsets, rng):
     return lines
 
 
+@pytest.mark.deep
 def test_a_scanning_stage_finds_what_recordings_do(code, tmp_path):
     offsets, shares = [(x, y, z) for x in (-30, 0, 30) for y in (-30, 0, 30) for z in (0, 20)], []
     phases, _ = model.read_code(code)
@@ -224,6 +225,7 @@ def phases_at_the_pins(folder, image):
     return mean.sort_index().to_numpy()
 
 
+@pytest.mark.deep
 def test_a_calibration_from_pulses_at_the_pins_to_a_focus_of_them(code, tmp_path):
     """Pins, waves, sound files, calibration, and pins again: nothing is taken from an image."""
     records, periods = model.read_code(code)
@@ -546,6 +548,7 @@ def test_a_measured_force_makes_the_level_calibrated(code, tmp_path):
         refuse(tmp_path, ["calibrate", "fit", *options, *wrong, "--focus=0,0,100", "-o", "x.toml"], USAGE, said, outputs=["x.toml"])
 
 
+@pytest.mark.deep
 def test_a_board_of_few_records_plays_the_code_in_parts(tmp_path):
     board = ["--array", "tile-10x10", "--board", "ice40-hx8k-breakout"]
     refuse(tmp_path, ["calibrate", "code", *board, "-o", "code.hex"], BAD_INPUT, "128 records, and the board holds 64", "--part 1/3 to 3/3", outputs=["code.hex"])

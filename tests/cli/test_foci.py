@@ -160,7 +160,7 @@ def test_amplitude_modulation_is_the_boards(board, tmp_path):
     assert np.mean(np.array(worst) <= 0.0025) >= 0.4 and max(worst) <= 0.12, sorted(worst)
 
 
-@pytest.mark.parametrize("board", BOARDS)
+@pytest.mark.parametrize("board", [pytest.param("tile-100-wide", marks=pytest.mark.deep), "small-16-wide"])
 def test_every_verb_takes_an_image_of_foci_and_its_pulses(board, tmp_path):
     compile_foci(tmp_path, board, "--shape", "circle", "--points", 5, "--rate", 200, "--am", "sine:200", "--loops", 1)
     assert simulate(tmp_path, "--passes", 2)[1] == OK

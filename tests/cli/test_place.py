@@ -39,6 +39,7 @@ def test_a_cube_is_placed(mapping, tmp_path):
                 assert point["magnitude_at_pins"] == pytest.approx(np.polyval(MAGNITUDE_240, output), rel=1e-6)
 
 
+@pytest.mark.deep
 def test_a_picture_and_words(tmp_path):
     said = text(succeed(["robot", "place", "--mapping", "G3", "--frames", 1, "-o", "t.png"], cwd=tmp_path, timeout=600).stdout)
     assert "G3: placed after" in said and "at the pins" in said and "1200 carrier periods" in said

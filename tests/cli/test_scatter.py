@@ -147,6 +147,7 @@ def test_a_rig_in_field_solve_and_scatter(tmp_path):
 RING = ["scatter", "finger", "--rotate", "0,90,0", "--center", "0,0,150", "--ring", "0,0,150", "--inward", "-1,0,0", "--json"]
 
 
+@pytest.mark.deep
 def test_a_ring_on_four_sides_is_even_when_it_is_weighed():
     plain, weighed = (json.loads(text(succeed([*RING, "--rig", "cube-300", *more], timeout=300).stdout)) for more in ([], ["--weighed"]))
     for report in (plain, weighed):

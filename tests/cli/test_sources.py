@@ -44,7 +44,7 @@ def path_json(focus, wave):
     return json.dumps(path)
 
 
-MADE_ONCE = ["folder"]
+MADE_ONCE = ["folder", "few"]
 
 
 @pytest.fixture(scope="module")
@@ -129,9 +129,10 @@ def source_for(verb, source):
     return [source[1]] if source[0] == "--pulses" and verb in ("inspect", "simulate", "solve") else source
 
 
-@pytest.fixture
-def few(tmp_path):
+@pytest.fixture(scope="module")
+def few(tmp_path_factory):
     """A focus without a waveform: as a path, a project, an image of foci, and its pulses."""
+    tmp_path = tmp_path_factory.mktemp("few")
     (tmp_path / "point.xyz").write_text("{} {} {}\n".format(*ONE))
     (tmp_path / "path-none.json").write_text(path_json(ONE, "none"))
     (tmp_path / "shapes-none.toml").write_text('format = "haptogram-project-1"\narray = "tile-10x10"\nboard = "tile-100-wide"\nrate_hz = 200\n[[shape]]\nfile = "point.xyz"\n')

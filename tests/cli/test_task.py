@@ -15,6 +15,7 @@ def test_a_seen_cube_is_lifted_and_makes_no_energy():
     assert found["energy_made_mj"] < 0.02
 
 
+@pytest.mark.deep
 def test_the_same_seed_gives_the_same_trials():
     first, second = (succeed(["task", "surface", "--trials", "1", "--seed", "5", "--json"]).stdout for _ in range(2))
     assert first == second
