@@ -597,8 +597,9 @@ def is_session_of(process, place):
         return False
 
 
+@also_in_time
 @pytest.mark.parametrize("how", ["killed", "Ctrl-C"])
-def test_no_live_session_outlives_its_runner(place, how):
+def test_no_live_session_outlives_its_runner(place, how, in_time):
     """A killed runner tells nobody anything, and Ctrl-C of a terminal goes to all of its programs: in both cases one signal reaches the session."""
     os.mkfifo(place / "hands")
     text = protocol.find("fingers_lift_visible").read_text()
@@ -612,13 +613,16 @@ def test_no_live_session_outlives_its_runner(place, how):
         with open(place / "hands", "w", encoding="utf-8"):  # as soon as the session waits for hands
             child = next(path for path in Path("/proc").glob("[0-9]*") if is_session_of(path, place))
             board.until(outputs=True)
+            board.goes_on_for(0.5)
             if how == "killed":
                 host.kill()
             else:
                 os.killpg(host.pid, signal.SIGINT)
             said = host.communicate(timeout=300)[1]
             until(lambda: not command_of(child), "the session's end")
-        assert json.loads(haptogram(place, "device", "status", "--port", "port", "--json"))["outputs"] == "off"
+            board.until(outputs=False)
+        now = json.loads(haptogram(place, "device", "status", "--port", "port", "--json"))
+        assert now["outputs"] == "off" and (now["watchdog_trips"] == 0 or not in_time)
     if how == "Ctrl-C":
         assert host.returncode == RUN_FAILED and "confirm" not in said, said
 
