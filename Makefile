@@ -115,7 +115,7 @@ build/peers/installed: tools/bench/peers.txt
 	  || { rm -rf build/peers; echo "make: the peers of tools/bench/peers.txt could not be installed; bench goes on without them" >&2; }
 
 bench: build build/peers/installed ## the project's numbers beside their targets and other libraries, as a table and build/bench.json; ONLY="render field" only parts
-	@cmake --build --preset $(PRESET) --target haptogram_measure_link
+	@cmake --build --preset $(PRESET) --target haptogram_benchmarks
 	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json $(if $(ONLY),--only $(ONLY))
 
 figures: build ## the papers' figures, computed, beside the papers' numbers: build/figures/index.html

@@ -7,8 +7,13 @@
 #include <thread>
 #include <utility>
 
+#include "haptogram/base/file.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "pace.hpp"
 #include "reference_board.hpp"
+#include "simulated_transport.hpp"
 
 namespace haptogram::sim {
 namespace {
@@ -48,12 +53,33 @@ private:
     Pace pace_{0.01};
 };
 
+struct OwnBoard {
+    ReferenceBoard board;
+};
+
+class ReferenceLine final : private OwnBoard, public SimulatedTransport {
+public:
+    explicit ReferenceLine(const std::string& configuration)
+        : OwnBoard{ReferenceBoard(configuration)}, SimulatedTransport(board) {}
+};
+
 }  // namespace
 
+std::unique_ptr<link::Transport> reference_line(const std::string& name) {
+    const std::size_t equals = name.find('=');
+    auto line = std::make_unique<ReferenceLine>(name.substr(0, equals));
+    if (equals == std::string::npos) return line;
+    const std::string path = name.substr(equals + 1);
+    const Image image = from_intel_hex(read_file(path), path);
+    link::Client client(*line);
+    link::require_fits(image, client.identify(), path);
+    link::upload(client, image);
+    return line;
+}
+
 std::function<std::unique_ptr<link::Transport>()> opener_of(const link::PortSettings& settings) {
-    constexpr std::string_view simulated = "reference:";
-    if (!settings.port.starts_with(simulated)) return [settings] { return link::open_port(settings); };
-    const std::string configuration = settings.port.substr(simulated.size());
+    if (!settings.port.starts_with(link::reference_prefix)) return [settings] { return link::open_port(settings); };
+    const std::string configuration = settings.port.substr(link::reference_prefix.size());
     static_cast<void>(ReferenceBoard(configuration));  // a wrong name is said here
     return [configuration] { return reference_port(configuration); };
 }

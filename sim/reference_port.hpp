@@ -14,7 +14,12 @@ namespace haptogram::sim {
 /// @throws Error{bad_argument} when there is no such configuration
 [[nodiscard]] std::function<std::unique_ptr<link::Transport>()> opener_of(const link::PortSettings& settings);
 
-/// That board behind its line, with what looks at its edges.
+/// A reference board whose time passes only while its line is waited for, and then as fast as it is computed.
+/// @param name  of its configuration; behind a "=", the image that was uploaded to it
+/// @throws Error{bad_argument} when there is no such configuration; Error{bad_input} for the image
+[[nodiscard]] std::unique_ptr<link::Transport> reference_line(const std::string& name);
+
+/// The board of opener_of() behind its line, with what looks at its edges.
 [[nodiscard]] std::unique_ptr<link::Transport> reference_port(const std::string& configuration,
                                                               std::function<void(const Edge&)> on_edge = {});
 

@@ -6,7 +6,7 @@
 namespace haptogram::sim {
 
 /// The simulated serial line as a link::Transport: waiting for bytes runs the board's clock.
-class SimulatedTransport final : public link::Transport {
+class SimulatedTransport : public link::Transport {
 public:
     explicit SimulatedTransport(Board& board) : board_(board) {}
 
@@ -20,15 +20,29 @@ public:
         return board_.receive();
     }
 
-    [[nodiscard]] std::chrono::nanoseconds now() const override {
-        return std::chrono::nanoseconds(
-            static_cast<std::int64_t>(1e9 * static_cast<double>(board_.now()) / board_.parameters().clock_hz));
-    }
+    [[nodiscard]] link::Clock& clock() override { return clock_; }
     /// Nothing else takes time from a simulated clock, so less patience is enough than on a line to another machine.
     [[nodiscard]] std::chrono::microseconds patience() const override { return std::chrono::milliseconds(50); }
 
 private:
+    class BoardClock final : public link::Clock {
+    public:
+        explicit BoardClock(Board& board) : board_(board) {}
+        [[nodiscard]] Time now() const override {
+            return Time(static_cast<std::int64_t>(1e9 * static_cast<double>(board_.now()) / clock_hz()));
+        }
+        void rest_until(Time until) override {
+            const double left = seconds(until) * clock_hz() - static_cast<double>(board_.now());
+            if (left > 0.0) board_.run(static_cast<std::uint64_t>(left) + 1);
+        }
+
+    private:
+        [[nodiscard]] double clock_hz() const { return board_.parameters().clock_hz; }
+        Board& board_;
+    };
+
     Board& board_;
+    BoardClock clock_{board_};
 };
 
 }  // namespace haptogram::sim

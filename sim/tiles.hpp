@@ -137,15 +137,28 @@ public:
 
     void write(std::span<const std::uint8_t> bytes) override { board_.send(bytes); }
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override;
-    [[nodiscard]] std::chrono::nanoseconds now() const override {
-        return std::chrono::nanoseconds(
-            static_cast<std::int64_t>(1e9 * static_cast<double>(board_.now()) / board_.parameters().clock_hz));
-    }
+    [[nodiscard]] link::Clock& clock() override { return clock_; }
     [[nodiscard]] std::chrono::microseconds patience() const override { return std::chrono::milliseconds(50); }
 
 private:
+    /// The time that all boards have, whatever their crystals make of it.
+    class TilesClock final : public link::Clock {
+    public:
+        explicit TilesClock(Tiles& tiles) : tiles_(tiles) {}
+        [[nodiscard]] Time now() const override { return Time(static_cast<std::int64_t>(tiles_.now() / nanosecond)); }
+        void rest_until(Time until) override {
+            const auto end = static_cast<Femtoseconds>(until.count()) * nanosecond;
+            if (end > tiles_.now()) tiles_.run(end - tiles_.now());
+        }
+
+    private:
+        static constexpr Femtoseconds nanosecond = 1'000'000;
+        Tiles& tiles_;
+    };
+
     Tiles& tiles_;
     Board& board_;
+    TilesClock clock_{tiles_};
 };
 
 }  // namespace haptogram::sim

@@ -17,7 +17,7 @@ if(HAPTOGRAM_TESTS)
   haptogram_need_program(z3 z3)
   haptogram_need_program(iverilog iverilog)
   haptogram_need_program(clang-format clang-format)
-  haptogram_need_modules(pytest python3-pytest pytest_timeout python3-pytest-timeout numpy python3-numpy intelhex python3-intelhex jsonschema python3-jsonschema serial python3-serial
+  haptogram_need_modules(pytest python3-pytest pytest_timeout python3-pytest-timeout xdist python3-pytest-xdist numpy python3-numpy intelhex python3-intelhex jsonschema python3-jsonschema serial python3-serial
     cobs "PyPI's cobs" pyslang "PyPI's pyslang" setuptools python3-setuptools wheel python3-wheel matplotlib python3-matplotlib
     scipy python3-scipy pandas python3-pandas statsmodels python3-statsmodels)
 endif()

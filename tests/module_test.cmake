@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# haptogram_module_test(NAME MODULE CASES FILE… [SOURCES FILE …] [PARAMETERS P=V …] [LIBRARIES …] [PROGRAM NAME [VERILATOR …]])
+# haptogram_module_test(NAME MODULE CASES FILE… [SOURCES FILE …] [PARAMETERS P=V …] [LIBRARIES …] [PROGRAM NAME [COVERAGE] [VERILATOR …]])
 # The executable test_module_NAME: the cases in these files on rtl/MODULE.v, or on the module of that name in SOURCES, Verilated as the class
 # VMODULE with these parameters, which the cases know as PARAMETER_P. Each case is a test of ctest, module_NAME/CASE, with the label "modules". What the module's proof asserts is
 # checked in every clock. PROGRAM: what the executable is called instead when it is no test by itself; then VERILATOR has the options in place of the checks.
 function(haptogram_module_test name module)
-  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "PROGRAM" "CASES;SOURCES;PARAMETERS;LIBRARIES;VERILATOR")
+  cmake_parse_arguments(PARSE_ARGV 2 ARG "COVERAGE" "PROGRAM" "CASES;SOURCES;PARAMETERS;LIBRARIES;VERILATOR")
   if(NOT ARG_SOURCES)
     set(ARG_SOURCES ${PROJECT_SOURCE_DIR}/rtl/${module}.v)
   endif()
@@ -13,15 +13,14 @@ function(haptogram_module_test name module)
   if(NOT ARG_PROGRAM)
     set(ARG_VERILATOR -Wall --assert -DFORMAL)
   endif()
-  # The Verilated code is not held to our warnings: it is a library of its own, and a system's for those who include it.
-  add_library(module_${name} STATIC)
-  set_target_properties(module_${name} PROPERTIES SYSTEM ON)
-  if(HAPTOGRAM_SANITIZE)
-    target_compile_options(module_${name} PRIVATE -fno-sanitize=all -O1 -g0)
+  if(ARG_COVERAGE)
+    set(ARG_COVERAGE COVERAGE)
+  else()
+    set(ARG_COVERAGE "")
   endif()
-  verilate(module_${name} SOURCES ${ARG_SOURCES} TOP_MODULE ${module} PREFIX V${module}
-    INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net ${PROJECT_SOURCE_DIR}/rtl/sdram DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${name} OPT_FAST -O2 OPT_SLOW -O1
-    VERILATOR_ARGS ${ARG_VERILATOR} -O3 --x-assign fast --x-initial unique ${generics})
+  add_library(module_${name} STATIC)
+  haptogram_verilate(module_${name} V${module} ${module} SOURCES ${ARG_SOURCES} ${ARG_COVERAGE}
+    INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net ${PROJECT_SOURCE_DIR}/rtl/sdram OPTIONS ${ARG_VERILATOR} ${generics})
   list(TRANSFORM ARG_CASES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
   add_executable(test_module_${name} ${sources})
   target_link_libraries(test_module_${name} PRIVATE haptogram_test_main module_${name} ${ARG_LIBRARIES})

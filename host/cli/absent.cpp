@@ -38,6 +38,7 @@ constexpr auto with_verilator = "HAPTOGRAM_SIMULATION=ON, which needs Verilator"
 void add_simulate(CLI::App& app, Action& action) {
     add_absent(app, action, "simulate", "simulated board", with_verilator);
 }
+void use_simulation_of_this_build() {}
 void add_board_run(CLI::App& board, Action& action) {
     add_absent(board, action, "run", "simulated board", with_verilator);
 }

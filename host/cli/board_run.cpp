@@ -28,6 +28,7 @@
 #include "pseudo_terminal.hpp"
 #include "pulse_check.hpp"
 #include "reference_board.hpp"
+#include "reference_port.hpp"
 #include "serve.hpp"
 #include "simulated_board.hpp"
 
@@ -241,6 +242,8 @@ int run_board(const RunOptions& options) {
 }
 
 }  // namespace
+
+void use_simulation_of_this_build() { link::set_reference_boards(sim::reference_line); }
 
 void add_board_run(CLI::App& board, Action& action) {
     auto options = std::make_shared<RunOptions>();

@@ -52,6 +52,9 @@ void add_bitstream(CLI::App& app, Action& action);
 /// @return what --version says: the release, the commit of the sources, and what this build has
 [[nodiscard]] std::string about_this_build();
 
+/// Gives ports of the name reference:NAME, if this build has simulated boards.
+void use_simulation_of_this_build();
+
 /// A line on stderr, with the program's name in front; never throws for want of a stderr.
 void complain(const std::string& message);
 

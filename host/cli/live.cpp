@@ -297,7 +297,7 @@ int live_loop(const LiveCommand& command) {
     if (!command.scene.empty()) scene.emplace(command.scene);
     catch_interrupts();  // before this, while a pipe says nothing, nothing is on
     const auto board = open_live_board(command.ports, rig, command.loop.watchdog_ms);
-    const link::HostClock clock = board->clock();
+    link::Clock& clock = board->clock();
     player_options.parts = board->parts();
     const live::ChosenPlayer chosen = live::choose_player(board->client(), clock, array, player_options);
     if (const std::string words = feeler->about(); !words.empty()) complain(words);

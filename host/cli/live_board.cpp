@@ -23,13 +23,6 @@ public:
     }
 
     link::Client& client() override { return client_; }
-    link::HostClock clock() override {
-        return {[this] { return seconds(board_.now()); },
-                [this](double until_s) {
-                    const double clocks = until_s * board_.parameters().clock_hz - static_cast<double>(board_.now());
-                    if (clocks > 0.0) board_.run(static_cast<std::uint64_t>(clocks) + 1);
-                }};
-    }
     [[nodiscard]] std::vector<std::pair<double, std::uint16_t>> starts() const override { return starts_; }
 
 private:
@@ -53,7 +46,7 @@ public:
             lines_.push_back(std::make_unique<sim::TileTransport>(boards_, i));
             clients_.push_back(std::make_unique<link::Client>(*lines_.back()));
             clients_.back()->identify();
-            tiles_.push_back({*clients_.back(), no_image_, link::name_of_tile(i, reference_prefix + configuration)});
+            tiles_.push_back({*clients_.back(), no_image_, link::name_of_tile(i, std::string(link::reference_prefix) + configuration)});
             elements_.push_back(rig.arrays[i].array.elements.size());
         }
         boards_.board(0).on_cycle_start([this](const sim::CycleStart& c) {
@@ -70,13 +63,6 @@ public:
         return parts;
     }
     [[nodiscard]] unsigned beginnings() const override { return rig_->beginnings(); }
-    link::HostClock clock() override {
-        return {[this] { return femtosecond * static_cast<double>(boards_.now()); },
-                [this](double until_s) {
-                    const double left = until_s / femtosecond - static_cast<double>(boards_.now());
-                    if (left > 0.0) boards_.run(static_cast<sim::Femtoseconds>(left) + 1);
-                }};
-    }
     [[nodiscard]] std::vector<std::pair<double, std::uint16_t>> starts() const override { return starts_; }
 
 private:

@@ -8,14 +8,11 @@
 #include <vector>
 
 #include "haptogram/array/rig.hpp"
-#include "haptogram/link/clock.hpp"
 #include "haptogram/link/commands.hpp"
 #include "haptogram/live/player.hpp"
 #include "rig_ports.hpp"
 
 namespace haptogram::cli {
-
-constexpr const char* reference_prefix = "reference:";
 
 /// A board that a loop plays on, or several of a rig as one, and the clock that it keeps.
 class LiveBoard {
@@ -29,7 +26,7 @@ public:
     [[nodiscard]] virtual std::vector<live::DevicePart> parts() { return {}; }
     /// How often they have begun together.
     [[nodiscard]] virtual unsigned beginnings() const { return 0; }
-    [[nodiscard]] virtual link::HostClock clock() = 0;
+    [[nodiscard]] link::Clock& clock() { return client().clock(); }
     /// Changes of the record at the pins, by the clock; empty when nobody can see the pins.
     [[nodiscard]] virtual std::vector<std::pair<double, std::uint16_t>> starts() const { return {}; }
 };

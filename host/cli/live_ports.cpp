@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
@@ -15,15 +14,14 @@
 namespace haptogram::cli {
 namespace {
 
-bool is_reference(const std::string& port) { return port.starts_with(reference_prefix); }
+bool is_reference(const std::string& port) { return port.starts_with(link::reference_prefix); }
 
-std::string configuration_of(const std::string& port) { return port.substr(std::strlen(reference_prefix)); }
+std::string configuration_of(const std::string& port) { return port.substr(link::reference_prefix.size()); }
 
 class PortBoard final : public LiveBoard {
 public:
     explicit PortBoard(const link::PortSettings& port) : device_(port) {}
     link::Commands& client() override { return device_; }
-    link::HostClock clock() override { return link::steady_clock(); }
 
 private:
     link::Device device_;
@@ -34,7 +32,6 @@ public:
     PortRig(const Rig& rig, const RigPorts& ports, const link::RigSettings& settings)
         : bundle_(boards_of(rig)), devices_(bundle_, ports.of(bundle_)), rig_(devices_.tiles(), settings) {}
     link::Commands& client() override { return rig_; }
-    link::HostClock clock() override { return link::steady_clock(); }
     [[nodiscard]] std::vector<live::DevicePart> parts() override {
         std::vector<live::DevicePart> parts;
         for (std::size_t i = 0; i < bundle_.parts.size(); ++i)

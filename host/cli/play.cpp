@@ -104,7 +104,7 @@ link::Played play_parts(const PlayOptions& options, link::Device& device, const 
     std::optional<LiveText> lines;
     if (std::ranges::any_of(project.triggers, [](const Trigger& trigger) { return trigger.on != Trigger::On::pin; }))
         lines.emplace("-");
-    TriggerReader input(project.triggers, std::move(lines), complain);
+    TriggerReader input(project.triggers, std::move(lines), complain, device.clock());
     return link::play(device, settings, parts, input, watch);
 }
 
@@ -142,7 +142,9 @@ int play(const PlayOptions& options) {
     ProgressLine progress("play");
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
+    double seconds = 0.0;
     const auto watch = [&](const link::Playing& now) {
+        seconds = now.seconds;
         air.follow();
         progress.note((settings.on_trigger && now.status.waiting) || (!options.triggers.empty() && is_over(now.status))
                           ? std::string("waits for the trigger")
@@ -154,11 +156,12 @@ int play(const PlayOptions& options) {
         options.triggers.empty() ? link::play(device, settings, watch) : play_parts(options, device, settings, watch);
     if (options.play.rate > 0.0)
         tell(streamed_to_json(played), options.json,
-             fmt::format("{} indices, {} underruns, {} refused records", played.sent, played.underruns,
-                         played.refused_records));
+             fmt::format("{} indices, {} underruns, {} refused records in {:.1f} s", played.sent, played.underruns,
+                         played.refused_records, seconds));
     else
         tell(played_to_json(played), options.json,
-             fmt::format("{} underruns, {} refused records", played.underruns, played.refused_records));
+             fmt::format("{} underruns, {} refused records in {:.1f} s", played.underruns, played.refused_records,
+                         seconds));
     return 0;
 }
 

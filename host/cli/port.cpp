@@ -9,8 +9,9 @@ namespace haptogram::cli {
 
 void add_port_options(CLI::App& sub, link::PortSettings& settings) {
     sub.add_option("--port", settings.port,
-                   "Serial port of the board, or of 'haptogram board run', ftdi:[VID:PID[:SERIAL]], or "
-                   "udp:ADDRESS[:PORT]; #N behind it is tile N of a chain")
+                   "Serial port of the board, or of 'haptogram board run', ftdi:[VID:PID[:SERIAL]], "
+                   "udp:ADDRESS[:PORT], or reference:NAME[=IMAGE] for a simulated one; #N behind it is tile N of a "
+                   "chain")
         ->required();
     add_baud_option(sub, settings.baud);
     settings.found = tell_rate;

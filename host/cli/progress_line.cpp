@@ -31,7 +31,7 @@ void ProgressLine::note(const std::string& text) {
 }
 
 void ProgressLine::draw(const std::string& text) {
-    const auto now = std::chrono::steady_clock::now();
+    const link::Clock::Time now = link::machine_clock().now();
     if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
     drawn_ = true;

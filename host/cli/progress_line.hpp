@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
 #include <string>
 
 #include "haptogram/base/progress.hpp"
+#include "haptogram/link/clock.hpp"
 
 namespace haptogram::cli {
 
@@ -31,7 +31,7 @@ private:
     std::string title_;
     bool on_terminal_;
     bool drawn_ = false;
-    std::chrono::steady_clock::time_point last_{};
+    link::Clock::Time last_{};
 };
 
 }  // namespace haptogram::cli

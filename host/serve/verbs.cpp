@@ -108,7 +108,7 @@ void Verbs::own(Client client) {
     if (!owner_) owner_ = client;
     if (owner_ != client)
         throw Error(ErrorCode::device, "board", "another client drives it; it is free when that one goes");
-    if (client == osc) last_osc_ = std::chrono::steady_clock::now();
+    if (client == osc) last_osc_ = board_.clock().now();
 }
 
 void Verbs::leave(Client client) {
@@ -129,7 +129,7 @@ void Verbs::leave(Client client) {
 void Verbs::expire() {
     {
         const std::lock_guard lock(mutex_);
-        if (owner_ != osc || std::chrono::steady_clock::now() - last_osc_ <= osc_owns) return;
+        if (owner_ != osc || board_.clock().now() - last_osc_ <= osc_owns) return;
     }
     leave(osc);
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -49,7 +48,7 @@ private:
     link::BackgroundPlayer& board_;
     mutable std::mutex mutex_;
     std::optional<Client> owner_;
-    std::chrono::steady_clock::time_point last_osc_{};
+    link::Clock::Time last_osc_{};
     std::optional<Bundle> image_;
 };
 

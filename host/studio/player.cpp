@@ -21,7 +21,7 @@ using nlohmann::ordered_json;
 /// The record that a stream plays: the one that was asked for last.
 class Player::Scrub final : public link::StreamSource {
 public:
-    explicit Scrub(std::shared_ptr<const Scene> of) : scene(std::move(of)) {}
+    Scrub(std::shared_ptr<const Scene> of, link::Clock& clock) : scene(std::move(of)), clock_(clock) {}
 
     void put(std::uint16_t index) {
         {
@@ -40,7 +40,7 @@ public:
     }
     std::optional<SequenceEntry> next(std::chrono::milliseconds patience) override {
         std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, patience, [this] { return asked_.has_value(); });
+        clock_.wait_for(lock, changed_, patience, [this] { return asked_.has_value(); });
         if (!asked_) return {};
         return SequenceEntry{*std::exchange(asked_, {}), 0};  // until the next arrives
     }
@@ -50,6 +50,7 @@ public:
     std::uint64_t number = 0;  ///< of the work
 
 private:
+    link::Clock& clock_;
     std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<std::uint16_t> asked_;
@@ -60,7 +61,8 @@ private:
 class Player::Fired final : public link::TriggerSource {
 public:
     /// @param lines  that start them, too
-    Fired(std::size_t parts, std::unique_ptr<TriggerReader> lines) : parts_(parts), lines_(std::move(lines)) {}
+    Fired(std::size_t parts, std::unique_ptr<TriggerReader> lines, link::Clock& clock)
+        : parts_(parts), lines_(std::move(lines)), clock_(clock) {}
 
     void put(std::size_t part) {
         if (part >= parts_) throw bad_argument("trigger", fmt::format("found {}, of {} from 0 on", part, parts_));
@@ -74,8 +76,8 @@ public:
         if (lines_)
             if (const auto fired = lines_->next(std::chrono::milliseconds(1))) return fired;
         std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, lines_ ? std::min(patience, lines_pause) : patience,
-                          [this] { return asked_.has_value(); });
+        clock_.wait_for(lock, changed_, lines_ ? std::min(patience, lines_pause) : patience,
+                        [this] { return asked_.has_value(); });
         return std::exchange(asked_, {});
     }
     [[nodiscard]] bool ended() const override { return false; }
@@ -85,6 +87,7 @@ private:
 
     const std::size_t parts_;
     const std::unique_ptr<TriggerReader> lines_;
+    link::Clock& clock_;
     std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<std::size_t> asked_;
@@ -137,7 +140,7 @@ void Player::take_back() {
     const auto told = [this, listened_to](const link::DeviceState& state) {
         if (*listened_to) settings_.told(state);
     };
-    auto device = std::make_shared<link::DeviceThread>(link::DeviceThread::Settings{.open = open_, .told = told});
+    auto device = std::make_shared<link::DeviceThread>(link::DeviceThread::Settings{.open = open_, .told = told, .clock = settings_.clock});
     const std::lock_guard lock(mutex_);
     device_ = std::move(device);
     listened_to_ = listened_to;
@@ -293,7 +296,7 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link:
         bring(device, "play", number, *scene, report);
         link::Intensity intensity(scene->compiled.bundle.image);
         const auto fired =
-            parts.empty() ? nullptr : std::make_shared<Fired>(parts.size(), reader(*scene, text.get(), number));
+            parts.empty() ? nullptr : std::make_shared<Fired>(parts.size(), reader(*scene, text.get(), number), settings_.clock);
         {
             const std::lock_guard lock(mutex_);
             playing_ = scene;
@@ -310,13 +313,13 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link:
 std::unique_ptr<TriggerReader> Player::reader(const Scene& scene, LiveText* lines, std::uint64_t number) const {
     if (lines == nullptr) return {};
     static constexpr std::chrono::milliseconds between{100};  // pages show the last one
-    const auto tell = [this, number, told = std::chrono::steady_clock::time_point()](const std::string& wrong) mutable {
-        const auto now = std::chrono::steady_clock::now();
-        if (now - told < between) return;
+    const auto tell = [this, number, told = std::optional<link::Clock::Time>()](const std::string& wrong) mutable {
+        const link::Clock::Time now = settings_.clock.now();
+        if (told && now - *told < between) return;
         told = now;
         settings_.work({{"t", "progress"}, {"work", "play"}, {"number", number}, {"stage", "play"}, {"line", wrong}});
     };
-    return std::make_unique<TriggerReader>(scene.settings.triggers, std::move(*lines), tell);
+    return std::make_unique<TriggerReader>(scene.settings.triggers, std::move(*lines), tell, settings_.clock);
 }
 
 void Player::trigger(std::size_t part) {
@@ -337,7 +340,7 @@ std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t i
             return scrub_->number;
         }
     }
-    const auto scrub = std::make_shared<Scrub>(std::move(scene));
+    const auto scrub = std::make_shared<Scrub>(std::move(scene), settings_.clock);
     scrub->put(static_cast<std::uint16_t>(index));
     const auto act = [this, scrub](link::Commands& device, std::uint64_t number) {
         ordered_json report;

@@ -32,6 +32,7 @@ public:
         /// Told in some thread what happens to work: {"t": "progress", "done", "stopped" or "failed", "work",
         /// "number", …}.
         std::function<void(nlohmann::ordered_json)> work;
+        link::Clock& clock = link::machine_clock();
     };
 
     explicit Player(Settings settings);

@@ -69,7 +69,7 @@ public:
 private:
     struct Visitor {
         std::shared_ptr<Page> page;
-        PageSight sight{};
+        PageSight sight{link::machine_clock()};
     };
     struct Stop {
         std::uint64_t page;

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import LIBRARY, PROGRAM, ROOT
+from bindings import LIBRARY, PROGRAM, ROOT
+from patience import Board, also_in_time, until
 
 SYMBOLS = ROOT / "tests/c/symbols.txt"
 DOME = '''format = "haptogram-project-1"
@@ -57,13 +58,6 @@ def status_of(c, board):
     found = c.struct("status")
     c.ok(c.get_status(board, ctypes.byref(found)))
     return found
-
-
-def until(condition, seconds=5.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.01)
 
 
 def test_the_library_shows_what_the_header_has_and_nothing_else(c):
@@ -178,12 +172,13 @@ def test_a_sequence_plays_to_its_end(c, dome, board):
     c.ok(c.set_intensity(board, 0.5))
     c.fails(c.set_intensity(board, 1.5), "BAD_ARGUMENT", "0 to 1")
     busy = ctypes.c_int32(7)
-    c.ok(c.wait(board, 5000, ctypes.byref(busy)))
+    c.ok(c.wait(board, 300000, ctypes.byref(busy)))
     assert busy.value == 0 and not status_of(c, board).enabled
 
 
+@also_in_time
 @pytest.mark.parametrize("board", [b"reference:colorlight-5a-75e-v7.1-net"], indirect=True)
-def test_patterns(c, board):
+def test_patterns(c, board, figure, in_time):
     """A pattern for each carrier period: what was put plays in order, and then the last one goes on."""
     words = (ctypes.c_uint16 * (100 * 5000))(*[k % 256 | 180 << 8 for k in range(5000) for _ in range(100)])
     taken = ctypes.c_size_t(7)
@@ -194,7 +189,10 @@ def test_patterns(c, board):
     c.ok(c.play_patterns(board, ctypes.byref(c.struct("playing", am=b"sine:200"))))
     until(lambda: status_of(c, board).foci_sent > 5000)
     found = status_of(c, board)
-    assert found.enabled and found.busy and 0 < found.lead_s < 0.01
+    assert found.enabled and found.busy
+    if in_time:
+        assert found.lead_s > 0
+        figure("C: patterns lead the pins by", found.lead_s, 0.01)
     c.ok(c.set_pattern(board, words))
     c.fails(c.put_patterns(board, None, 1, ctypes.byref(taken)), "BAD_ARGUMENT", "words: is NULL")
     c.fails(c.put_patterns(board, words, 1, None), "BAD_ARGUMENT", "taken: is NULL")
@@ -208,7 +206,7 @@ def test_patterns(c, board):
 @pytest.mark.parametrize("board", [b"reference:tile-100-wide"], indirect=True)
 def test_a_board_without_streams_says_so(c, board):
     c.ok(c.play_patterns(board, None))
-    c.fails(c.wait(board, 5000, None), "DEVICE", "STREAM")
+    c.fails(c.wait(board, 300000, None), "DEVICE", "STREAM")
 
 
 @pytest.mark.parametrize("board", [b"reference:ulx3s-85f"], indirect=True)
@@ -218,7 +216,7 @@ def test_triggers(c, board):
     times = c.struct("trigger_times")
     c.ok(c.get_trigger_times(board, ctypes.byref(times)))
     count, clock = times.out_count, times.now_clock
-    until(lambda: c.get_trigger_times(board, ctypes.byref(times)) == 0 and times.now_clock - clock > 25_000_000, 20)
+    until(lambda: c.get_trigger_times(board, ctypes.byref(times)) == 0 and times.now_clock - clock > 25_000_000)
     assert abs(times.out_count - count - (times.now_clock - clock) / 500_000) <= 1.5  # 400 periods of 1250 clocks
     assert 0 <= times.now_clock - times.out_clock <= 500_000 and times.in_count == 0
     marked = path_of_foci(c, [(0, 0, 0.15), (0.01, 0, 0.15), (0.02, 0, 0.15)], periods=(ctypes.c_uint32 * 3)(40, 40, 40),
@@ -229,7 +227,7 @@ def test_triggers(c, board):
     c.ok(c.get_trigger_times(board, ctypes.byref(times)))
     count = times.out_count
     c.ok(c.play(board, ctypes.byref(c.struct("playing", loops=50))))
-    until(lambda: not status_of(c, board).busy, 20)
+    until(lambda: not status_of(c, board).busy)
     c.ok(c.get_trigger_times(board, ctypes.byref(times)))
     assert times.out_count - count == 2 * 50, "two of three steps are marked"
     c.free_image(image)
@@ -268,7 +266,7 @@ def test_a_rig(c, tmp_path):
         assert found.channels == 200
         c.ok(c.upload(rig, None))
         c.ok(c.play(rig, ctypes.byref(c.struct("playing", loops=-1))))
-        until(lambda: status_of(c, rig).enabled, 20)
+        until(lambda: status_of(c, rig).enabled)
         c.fails(c.play(rig, None), "BAD_ARGUMENT", "plays already")
         c.fails(c.set_focus(rig, 0, 0, 0.15, 1), "BAD_ARGUMENT", "a rig")
         c.fails(c.play(rig, ctypes.byref(c.struct("playing", am=b"sine:200"))), "BAD_ARGUMENT", "am")
@@ -276,7 +274,7 @@ def test_a_rig(c, tmp_path):
         found = status_of(c, rig)
         assert not found.busy and not found.enabled and found.connected and found.underruns == found.refused_records == 0
         c.ok(c.play(rig, ctypes.byref(c.struct("playing", loops=-1))))
-        until(lambda: status_of(c, rig).enabled, 20)
+        until(lambda: status_of(c, rig).enabled)
         c.ok(c.shut_off(rig))
         c.ok(c.wait(rig, 0, None))
         assert not status_of(c, rig).enabled
@@ -292,15 +290,16 @@ def test_a_rig(c, tmp_path):
         c.close(rig)
     finally:
         process.send_signal(signal.SIGINT)
-        said, _ = process.communicate(timeout=60)
+        said, _ = process.communicate(timeout=300)
     assert json.loads(said)["enabled"] == [False, False]
 
 
+@also_in_time
 @pytest.mark.parametrize("ends", ["stop", "shut_off"])
-def test_a_live_focus(c, live_image, board, ends):
+def test_a_live_focus(c, live_image, board, ends, figure, in_time):
     c.fails(c.play_live(board, None), "OK")  # it begins, and finds that there is no image of foci
     busy = ctypes.c_int32()
-    c.fails(c.wait(board, 5000, ctypes.byref(busy)), "DEVICE", "foci")
+    c.fails(c.wait(board, 300000, ctypes.byref(busy)), "DEVICE", "foci")
     c.ok(c.upload(board, live_image))
     c.fails(c.play_live(board, ctypes.byref(c.struct("playing", loops=2))), "BAD_ARGUMENT", "loops")
     c.fails(c.play(board, ctypes.byref(c.struct("playing", step_s=1e-3))), "BAD_ARGUMENT", "step_s")
@@ -315,7 +314,10 @@ def test_a_live_focus(c, live_image, board, ends):
         assert busy.value == 1
     until(lambda: status_of(c, board).foci_sent > 400)
     found = status_of(c, board)
-    assert found.connected and found.enabled and 0.001 < found.lead_s <= 0.05
+    assert found.connected and found.enabled
+    if in_time:
+        assert found.lead_s > 0.001
+        figure(f"C: a live focus leads the pins by (then {ends})", found.lead_s, 0.05)
     c.ok(getattr(c, ends)(board))
     found = status_of(c, board)
     assert not found.enabled and not found.busy
@@ -325,15 +327,17 @@ def test_a_live_focus(c, live_image, board, ends):
     c.ok(c.wait(board, 0, None))
 
 
-def test_setting_a_focus_costs_its_caller_nothing(c, tmp_path):
+@also_in_time
+def test_setting_a_focus_costs_its_caller_nothing(c, tmp_path, figure, in_time):
     """A million calls while it plays. The target is 5 µs in the median; the longest is the scheduler's."""
     source = ROOT / "tests/c/set_focus_cost.c"
     subprocess.run(["cc", "-O2", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", source, "-o", "cost", LIBRARY], cwd=tmp_path, check=True)
-    done = subprocess.run(["./cost"], cwd=tmp_path, capture_output=True, text=True, timeout=120, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
+    done = subprocess.run(["./cost"], cwd=tmp_path, capture_output=True, text=True, timeout=300, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
     assert done.returncode == 0, done.stderr
     median_us, longest_us = map(float, done.stdout.split())
     print(f"set_focus: median {median_us} us, longest {longest_us} us")
-    assert median_us < 5.0
+    if in_time:
+        figure("C: set_focus, median", median_us, 5.0, "us")
 
 
 @pytest.mark.parametrize("ends", ["stop", "shut_off"])
@@ -343,7 +347,7 @@ def test_what_waits_for_a_board_does_not_begin_after_it_was_ended(c, tmp_path, e
         (tmp_path / "board").unlink(missing_ok=True)
         run = [PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"]
         process = subprocess.Popen(run, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        until(lambda: (tmp_path / "board").exists(), 20)
+        until(lambda: (tmp_path / "board").exists())
         return process
 
     board = plug_in()
@@ -358,17 +362,17 @@ def test_what_waits_for_a_board_does_not_begin_after_it_was_ended(c, tmp_path, e
 
     plays = threading.Thread(target=call, args=("play", ctypes.byref(c.struct("playing", loops=-1))), daemon=True)
     plays.start()
-    time.sleep(0.3)
+    time.sleep(1)  # it waits, of which nothing can be seen
     off = threading.Thread(target=call, args=(ends,), daemon=True)
     off.start()
-    time.sleep(0.3)
+    time.sleep(1)
     board = plug_in()
     try:
         for thread in (plays, off):
-            thread.join(timeout=10)
+            thread.join(timeout=300)
             assert not thread.is_alive(), f"{ends} never returns"
         assert codes["play"] == c.header.codes["HAPTOGRAM_CANCELLED"], codes
-        until(lambda: status_of(c, handle).connected, 20)
+        until(lambda: status_of(c, handle).connected)
         time.sleep(0.5)
         found = status_of(c, handle)
         assert not found.enabled and not found.busy
@@ -383,20 +387,20 @@ def test_the_examples_compile_and_run(example, tmp_path):
     assert len(example.read_text(encoding="utf-8").splitlines()) <= 30
     flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", *os.environ.get("HAPTOGRAM_CFLAGS", "").split()]
     subprocess.run(["cc", *flags, example, "-o", "example", LIBRARY, "-lm"], cwd=tmp_path, check=True)
-    done = subprocess.run(["./example"], cwd=tmp_path, capture_output=True, text=True, timeout=60, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
+    done = subprocess.run(["./example"], cwd=tmp_path, capture_output=True, text=True, timeout=300, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
     assert done.returncode == 0 and done.stdout, done.stderr
 
 
 KILLED = """
 import ctypes, sys, time
 sys.path.insert(0, sys.argv[1])
-from conftest import Haptogram
+from bindings import Haptogram
 c = Haptogram()
 image = c.made(c.compile_path, c.struct("path", foci=c.foci((0, 0, 0.15)), steps=1, board=b"tile-100-wide", array=b"tile-10x10", board_computes=1))
 board = c.made(c.open, c.struct("port", port=sys.argv[2].encode()))
 c.ok(c.upload(board, image))
 c.ok(c.set_focus(board, 0, 0, 0.15, 1.0))
-c.ok(c.play_live(board, None))
+c.ok(c.play_live(board, ctypes.byref(c.struct("playing", watchdog_ms=3000))))
 while True:
     c.ok(c.wait(board, 10, None))
     status = c.struct("status")
@@ -407,17 +411,14 @@ while True:
 
 
 def test_a_killed_program_leaves_the_board_to_its_watchdog(tmp_path):
-    served = subprocess.Popen([PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"], cwd=tmp_path,
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    served = Board([PROGRAM, "board", "run", "--json", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"], tmp_path)
     try:
-        until(lambda: (tmp_path / "board").exists())
         host = subprocess.Popen([sys.executable, "-c", KILLED, str(Path(__file__).parent), str(tmp_path / "board")], stdout=subprocess.PIPE)
         assert host.stdout.readline() == b"playing\n"
         host.send_signal(signal.SIGKILL)
         host.wait()
-        time.sleep(0.8)  # the watchdog has 500 ms
+        served.until(outputs=False)
         said = json.loads(subprocess.run([PROGRAM, "device", "status", "--port", "board", "--json"], cwd=tmp_path, capture_output=True, check=True).stdout)
         assert said["outputs"] == "off" and said["watchdog_trips"] == 1
     finally:
-        served.send_signal(signal.SIGINT)
-        served.wait()
+        served.end()

@@ -5,7 +5,8 @@ import re
 import subprocess
 import sys
 
-from conftest import LIBRARY, ROOT
+from bindings import LIBRARY, ROOT
+from patience import also_in_time
 from test_c_interface import DOME
 
 UNITY = ROOT / "host/c/unity"
@@ -15,11 +16,12 @@ def test_the_generated_file_is_fresh():
     subprocess.run([sys.executable, ROOT / "tools/c_header.py", "--check"], check=True)
 
 
-def test_images_and_boards_from_csharp(c, tmp_path):
+@also_in_time
+def test_images_and_boards_from_csharp(c, tmp_path, figure, in_time):
     sources = [*sorted((UNITY / "Runtime").glob("*.cs")), *sorted((UNITY / "Samples~").rglob("*.cs")), *sorted((ROOT / "tests/c").glob("*.cs"))]
     subprocess.run(["mcs", "-langversion:7.2", "-warnaserror", "-nowarn:0649", "-out:tries.exe", *sources], cwd=tmp_path, check=True)
     environment = {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)}
-    done = subprocess.run(["mono", "tries.exe", DOME], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["mono", "tries.exe", DOME], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     said = dict(line.split(" ", 1) for line in done.stdout.splitlines())
     assert said["version"] == c.version().decode()
@@ -32,8 +34,8 @@ def test_images_and_boards_from_csharp(c, tmp_path):
     assert re.match(r"3 project.*points", said["error"])  # the words that any other language hears
     assert said["gone"] == " ".join(["ObjectDisposedException"] * 3)
     moved = re.match(r"([0-9.]+) enabled True channels 100", said["moved"])
-    print(f"live foci from C#: {float(moved[1]):.0f} a second")
-    assert float(moved[1]) > 1000, "targets are measured on an idle machine"
+    if in_time:
+        figure("C#: a thousand live foci take", 1000 / float(moved[1]), 1)
     assert said["patterns"] == "8 enabled True"
     assert said["busy"] == "False" and said["axes"] == "0.01 0.02 0.15"
 

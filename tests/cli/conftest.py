@@ -1,21 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-import os
 import stat
 import types
 from pathlib import Path
 
 import pytest
 import support
-
-
-@pytest.fixture(scope="session", autouse=True)
-def own_state(tmp_path_factory):
-    """The rates that programs remember."""
-    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
-
-
-def pytest_report_header():
-    return f"program: {support.PROGRAM}"
 
 
 @pytest.fixture(scope="session", autouse=True)

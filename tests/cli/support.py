@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from intelhex import IntelHex
+from patience import PATIENCE_S, Board
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
@@ -25,7 +26,7 @@ HEADER_WORDS = 4
 SILENT = 0xFFFF
 
 
-def run(args, cwd=None, env=None, timeout=30, stdout=subprocess.PIPE, **more):
+def run(args, cwd=None, env=None, timeout=PATIENCE_S, stdout=subprocess.PIPE, **more):
     """Runs the program without a terminal; output is bytes, as programs see it."""
     environment = {**os.environ, **(env or {})}
     more.setdefault("stdin", subprocess.DEVNULL)
@@ -73,11 +74,10 @@ def assert_one_message(result, code, *needles):
 
 
 def refuse(folder, args, code, *needles, outputs=("image.hex", "image.json"), **more):
-    """The program must refuse, and leave `folder` as it was: with no output there before, and with old ones there."""
-    for old in (None, b"old"):
-        for name in outputs:
-            if old is not None:
-                (folder / name).write_bytes(old)
+    """The program must refuse, and leave `folder` as it was: of several outputs the first is there, and old, the others are not; a single one is tried both ways."""
+    for old in ((), outputs) if len(outputs) == 1 else (outputs[:1],):
+        for name in old:
+            (folder / name).write_bytes(b"old")
         before = snapshot(folder)
         result = run(args, cwd=folder, **more)
         after = snapshot(folder)
@@ -205,19 +205,19 @@ def board_run(*options):
 
 @contextlib.contextmanager
 def virtual_board(folder, *options):
-    """A running board; its port is `folder`/port."""
-    command = board_run("--pty", "port", *options)
-    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    """A running board; its port is `folder`/port, which it leaves behind."""
+    board = Board(board_run("--pty", "port", *options), folder)
     try:
-        process.says = json.loads(process.stdout.readline())
-        yield process
+        yield board
     finally:
-        process.kill()
-        process.communicate()
+        board.end()
 
 
 def ask(folder, *args, **more):
-    return succeed([*args, "--port", "port"], cwd=folder, timeout=120, **more)
+    """A command at the board of `folder`, which must succeed. Where nothing is said of a watchdog, it lets a busy machine pause."""
+    if args[0] in ("play", "stream") and "--watchdog" not in args and "--live" not in args:
+        args = (*args, "--watchdog", 60000)
+    return succeed([*args, "--port", "port"], cwd=folder, **more)
 
 
 def status(folder):

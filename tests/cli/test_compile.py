@@ -48,6 +48,7 @@ def test_the_help_lists_every_built_in_shape():
     assert ", ".join(KINDS) in text(succeed(["compile", "--help"]).stdout)
 
 
+@pytest.mark.check
 def test_a_circle_is_one(tmp_path):
     points = foci_of(tmp_path, "--shape", "circle", "--diameter", "70", "--points", "30")
     assert np.allclose(np.hypot(points[:, 0], points[:, 1]), 35.0, atol=1e-3) and np.all(points[:, 2] == 130.0)
@@ -94,6 +95,7 @@ def test_unit(cloud):
     assert as_set(foci_of(cloud, "cm.xyz", "--unit", "cm")) == expected
 
 
+@pytest.mark.check
 def test_a_shape_from_standard_input(cloud):
     expected = foci_of(cloud, "cloud.xyz")
     with open(cloud / "cloud.xyz", "rb") as piped:
@@ -145,6 +147,7 @@ def test_rotate_turns_about_x_then_y_then_z(cloud):
     assert as_set(turned) == {(5, -10, 100), (5, 10, 100), (-5, -10, 100), (5, -10, 104)}
 
 
+@pytest.mark.check
 def test_several_inputs_become_one_shape(cloud):
     (cloud / "more.csv").write_bytes(b"x,y,z\n-30,0,110\n-30,5,110\n")
     points = as_set(foci_of(cloud, "cloud.xyz", "more.csv"))
@@ -212,6 +215,7 @@ def test_many_points_out_of_reach_are_counted(tmp_path):
     refuse(tmp_path, ["compile", "--shape", "circle", "--center", "0,0,-50"], BAD_INPUT, "200 of 200", "and 190 more", "--center")
 
 
+@pytest.mark.check
 def test_the_tour_is_closed_and_reported(tmp_path):
     rows = [(x, y) for x in range(0, 60, 10) for y in range(0, 60, 10)]
     shuffled = sorted(rows, key=lambda r: (r[0] * 7 + r[1] * 13) % 101)
@@ -229,6 +233,7 @@ def test_the_tour_is_closed_and_reported(tmp_path):
     assert re.search(r"tour +3\d\d\.\d mm, \d+\.\d mm as given", text(succeed(["compile", "grid.xyz", "-o", "image.hex"], cwd=tmp_path).stdout))
 
 
+@pytest.mark.check
 def test_the_json_report(tmp_path):
     result = succeed(["compile", "--shape", "circle", "--points", "8", "--rate", "500", "-o", "image.hex", "--json"], cwd=tmp_path)
     report = json.loads(result.stdout)
@@ -351,6 +356,7 @@ def test_dwells_add_up_to_one_period_of_the_rate(rate, tmp_path):
     assert [e >> 16 for e in Image(tmp_path / "image.hex").sequence()[1:]] == dwells
 
 
+@pytest.mark.check
 def test_the_manifest_says_what_the_image_means(compiled):
     manifest = read_json(compiled / "image.json")
     assert manifest["tool"]["name"] == "haptogram" and text(run(["--version"]).stdout).startswith(f"haptogram {manifest['tool']['version']}\n")
@@ -413,6 +419,7 @@ def test_readmemh_words_are_those_of_the_image(tmp_path):
     assert (tmp_path / "words.sequence.mem").read_text() == "".join(f"{w:08x}\n" for w in image.sequence())
 
 
+@pytest.mark.check
 def test_same_input_same_bytes(tmp_path):
     mesh = (ROOT / "tests/data/shapes/trimesh_little.ply").read_bytes()
     results = []

@@ -38,6 +38,7 @@ def radiation_pa(manifest, focus_mm, points_mm):
     return (np.abs(p.sum(axis=1)) ** 2 - grazing) / (rho * c**2)
 
 
+@pytest.mark.check
 def test_a_point_under_a_slow_square_wave(tmp_path):
     image = compiled(tmp_path, "slow", *POINT, "--am", "square:100")
     found = feel(tmp_path, image)
@@ -177,7 +178,7 @@ def test_what_could_be_told_apart(tmp_path):
 
 def test_pictures(tmp_path):
     image = compiled(tmp_path, "am", *POINT, "--am", "square:200")
-    succeed(["feel", image, "-o", "feel.png"], cwd=tmp_path, timeout=120)
+    succeed(["feel", image, "-o", "feel.png"], cwd=tmp_path, timeout=300)
     assert (tmp_path / "feel.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     refuse(tmp_path, ["feel", image, "-o", "feel.csv"], USAGE, "--output", "png", outputs=("feel.csv",))
 

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from support import PROGRAM, ROOT, USAGE
 
+MADE_ONCE = ["made"]
 ONLY = ["haptogram-11", "haptogram-13", "hoshi-force", "hoshi-7", "hoshi-12c", "hoshi-eq9", "fingers-7"]
 
 
 def figures(folder, *arguments):
     tool = PROGRAM.parents[2] / "tools/figures/haptogram_figures"
     command = [sys.executable, ROOT / "tools/figures.py", "--program", PROGRAM, "--tool", tool, "--output", folder, *arguments]
-    return subprocess.run([str(a) for a in command], capture_output=True, text=True, timeout=120)
+    return subprocess.run([str(a) for a in command], capture_output=True, text=True, timeout=300)
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,7 @@ def ours(folder, name, start):
     return value
 
 
+@pytest.mark.deep
 def test_the_focus_of_hoshi(made):
     assert ours(made, "hoshi-force", "focal diameter") == pytest.approx(2 * 8.5 * 200 / 180)
     assert ours(made, "hoshi-force", "focal depth") == pytest.approx(42, abs=0.05)
@@ -46,6 +48,7 @@ def test_the_focus_of_hoshi(made):
     assert ours(made, "hoshi-force", "first side lobe") == pytest.approx(((np.sin(18 * half) / np.sin(half) / 18) ** 2).max(), rel=1e-3)
 
 
+@pytest.mark.deep
 def test_the_quantised_drive(made):
     clocks = 25.6e6 / 40e3
     assert ours(made, "hoshi-7", "clocks of 25.6 MHz") == clocks / 16
@@ -53,6 +56,7 @@ def test_the_quantised_drive(made):
     assert ours(made, "hoshi-7", "pressure that 16 phases keep") == pytest.approx(100 * np.sin(x) / x, abs=0.07)
 
 
+@pytest.mark.deep
 def test_the_frequency_response(made):
     """A one-pole envelope that follows the switched carrier, and the fundamental of its square."""
 
@@ -72,6 +76,7 @@ def test_the_frequency_response(made):
     assert decibels(fitted, 1000) == pytest.approx(-5.8, abs=0.02)
 
 
+@pytest.mark.deep
 def test_two_spots(made):
     grid = (np.arange(18) - 8.5) * 10.0
     x, y = np.meshgrid(grid, grid)
@@ -89,12 +94,14 @@ def test_two_spots(made):
     assert ours(made, "hoshi-eq9", "first copy of a single focus") == pytest.approx(170, abs=0.3)
 
 
+@pytest.mark.deep
 def test_a_single_point(made):
     assert ours(made, "haptogram-13", "width of the radiation pressure at half maximum, piston") == pytest.approx(10.8, abs=0.1)
     assert ours(made, "haptogram-13", "the same, point sources") == pytest.approx(10.6, abs=0.1)
     assert ours(made, "haptogram-13", "the same, from the pins") == pytest.approx(10.8, abs=0.1)
 
 
+@pytest.mark.deep
 def test_formation(made):
     place = np.arange(-4.5, 5) * 10
     flight = np.sqrt(100.0**2 + place[:, None] ** 2 + place**2) / 343.2e-3
@@ -106,12 +113,14 @@ def test_formation(made):
     assert 3.89 * tau < heard < 3.89 * tau + 50  # 1 − (1 + x)e^(−x) = 0.9 at x = 3.89, and what the flight adds
 
 
+@pytest.mark.deep
 def test_a_finger(made):
     assert ours(made, "fingers-7", "triangles a wavelength") > 7
     assert ours(made, "fingers-7", "highest pressure on the back") < 0.5
     assert 3 < ours(made, "fingers-7", "width of the strong skin") < 5.5
 
 
+@pytest.mark.deep
 def test_the_pictures(made):
     for name in ONLY:
         content = (made / f"{name}.png").read_bytes()
@@ -131,6 +140,7 @@ class Page(html.parser.HTMLParser):
         self.text += data
 
 
+@pytest.mark.deep
 def test_the_page(made):
     page = Page()
     page.feed((made / "index.html").read_text(encoding="utf-8"))

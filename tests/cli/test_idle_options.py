@@ -63,7 +63,7 @@ def compiled(folder, arguments):
     return ((folder / "out.hex").read_bytes(), json.dumps(manifest)), ""
 
 
-@pytest.mark.parametrize("subject", SUBJECTS)
+@pytest.mark.parametrize("subject", [subject if subject in ("file", "surface", "path", "project", "project of a hand") else pytest.param(subject, marks=pytest.mark.deep) for subject in SUBJECTS])
 def test_compile(inputs, subject):
     plain, said = compiled(inputs, SUBJECTS[subject])
     assert plain, said

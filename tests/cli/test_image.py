@@ -105,6 +105,7 @@ def test_inspect_reads_the_same_bits(name, images):
     assert seen["problems"] == []
 
 
+@pytest.mark.check
 def test_inspect_as_text(compiled):
     shown = text(succeed(["inspect", "image.hex"], cwd=compiled).stdout)
     assert "100 channels, 50000000 Hz clock" in shown and "8 records" in shown and "8 sequence entries, repeated for ever" in shown
@@ -114,6 +115,7 @@ def test_inspect_as_text(compiled):
     assert "checks: checksums, regions, records and sequence are in order" in shown
 
 
+@pytest.mark.check
 def test_a_file_that_another_program_wrote(small):
     """The same bytes in intelhex's own arrangement, with Windows line ends and small letters."""
     before = json.loads(succeed(["inspect", "image.hex", "--json"], cwd=small.folder).stdout)

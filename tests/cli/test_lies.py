@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import pytest
+from patience import also_in_time, until
 from support import DEVICE, PROGRAM, assert_one_message, run, text
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "torture"))
@@ -41,34 +42,30 @@ def is_on(board):
     return board.instrument.enabled
 
 
-def wait_for(condition, seconds=20):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it never came to that"
-        time.sleep(0.005)
-
-
-def end_of(host, seconds):
+def end_of(host):
+    """What it says in the end, and after how many seconds."""
     begun = time.monotonic()
-    host.wait(30)
+    host.wait(300)
     took = time.monotonic() - begun
     message = text(host.stderr.read())
     host.stdout.close()
     host.stderr.close()
-    assert took < seconds, f"it took {took:.1f} s: {message}"
-    return message
+    return message, took
 
 
-@pytest.mark.parametrize("watchdog", [0, 400])
-def test_play_that_gets_no_answers_sends_disable_and_says_that_nobody_confirmed_it(watchdog):
+@also_in_time
+@pytest.mark.parametrize("watchdog", [0, 1500])
+def test_play_that_gets_no_answers_sends_disable_and_says_that_nobody_confirmed_it(watchdog, figure, in_time):
     with LyingBoard() as board:
         host = start(board, *PLAY, "--watchdog", str(watchdog))
-        wait_for(lambda: is_on(board))
+        until(lambda: is_on(board))
         fall_silent(board)
-        message = end_of(host, 25)
+        message, took = end_of(host)
+        if in_time:
+            figure(f"play before a board that falls silent ends after (watchdog {watchdog} ms)", took, 12)
         assert host.returncode == DEVICE
         assert "does not confirm" in message
-        assert ("400 ms" if watchdog else "switch its power off") in message
+        assert ("1500 ms" if watchdog else "switch its power off") in message
         assert not is_on(board) and DISABLE in heard(board) and STOP in heard(board)
 
 
@@ -84,29 +81,34 @@ def test_disable_acts_without_a_session_and_fails_when_it_is_not_confirmed():
                 assert_one_message(result, DEVICE, "does not confirm", "power")
 
 
-@pytest.mark.parametrize("command", [PLAY, STREAM])
+@also_in_time
+@pytest.mark.parametrize("command", [PLAY, STREAM], ids=" ".join)
 @pytest.mark.parametrize("signals", [1, 2])
-def test_a_signal_to_a_silent_board_ends_it_in_two_seconds(command, signals):
+def test_a_signal_to_a_silent_board_ends_it_in_two_seconds(command, signals, figure, in_time):
     with LyingBoard() as board:
-        host = start(board, *command, stdin=subprocess.PIPE)
-        wait_for(lambda: is_on(board))
+        host = start(board, *command, "--watchdog", "60000", stdin=subprocess.PIPE)
+        until(lambda: is_on(board))
         fall_silent(board)
         time.sleep(0.2)
         host.send_signal(signal.SIGINT)
         if signals == 2:
             time.sleep(0.1)
             host.send_signal(signal.SIGINT)
-        message = end_of(host, 3.0 if signals == 1 else 1.0)  # 2 s and half a second, and what a busy machine adds
+        message, took = end_of(host)
+        if in_time:
+            figure(f"{command[0]} before a silent board ends after {signals} SIGINT", took, 2.2 if signals == 1 else 0.5)
         assert host.returncode == DEVICE and "does not confirm" in message
         assert not is_on(board)
         host.stdin.close()
 
 
-def test_an_upload_waits_no_longer_than_it_is_told(image, tmp_path):
+@also_in_time
+def test_an_upload_waits_no_longer_than_it_is_told(image, tmp_path, figure, in_time):
     with LyingBoard(Lie(answers=lambda frame, answer: [answer.packed()] if frame.command == IDENTIFY else [])) as board:
         begun = time.monotonic()
-        assert_one_message(run(["upload", image, "--wait", "1", "--port", board.port], cwd=tmp_path, timeout=60), DEVICE, "did not come back")
-        assert time.monotonic() - begun < 15
+        assert_one_message(run(["upload", image, "--wait", "1", "--port", board.port], cwd=tmp_path, timeout=300), DEVICE, "did not come back")
+        if in_time:
+            figure("upload --wait 1 to a board that answers nothing more ends after", time.monotonic() - begun, 11)
 
 
 def test_a_name_reaches_the_terminal_in_letters():
@@ -125,7 +127,7 @@ class Page:
     def __init__(self, address):
         host, token = re.match(r"http://([^/]+)/#(.+)", address).groups()
         name, port = host.split(":")
-        self.socket = socket.create_connection((name, int(port)), timeout=10)
+        self.socket = socket.create_connection((name, int(port)), timeout=300)
         self.socket.sendall((f"GET /ws HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                              f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {base64.b64encode(bytes(16)).decode()}\r\n"
                              f"Sec-WebSocket-Protocol: haptogram.1, token.{token}\r\n\r\n").encode())  # fmt: skip
@@ -150,28 +152,34 @@ class Page:
         return data
 
     def wait_for(self, needle):
+        """After how many seconds it is told."""
         begun = time.monotonic()
         while needle not in self.hear():
-            assert time.monotonic() - begun < 10, f"{needle} was not told"
+            pass
         return time.monotonic() - begun
 
 
+@also_in_time
 @pytest.mark.parametrize("babble", [b"", b"$GPGGA,123519\r\n"])
-def test_the_studio_lets_go_of_a_port_that_talks_or_is_silent(babble):
+def test_the_studio_lets_go_of_a_port_that_talks_or_is_silent(babble, figure, in_time):
     with LyingBoard(Lie(answers=lambda frame, answer: [], babble=babble)) as board:
         host = subprocess.Popen([str(PROGRAM), "studio", "--no-browser", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         page = Page(json.loads(host.stdout.readline())["address"])
         for n in (1, 3):
             page.send({"t": "connect", "n": n, "port": board.port, "scene": ""})
             page.wait_for(b'"connecting"')
-            wait_for(lambda: IDENTIFY in heard(board))
+            until(lambda: IDENTIFY in heard(board))
             page.send({"t": "disconnect", "n": n + 1})
-            assert page.wait_for(b'"none"') < 0.5  # the server waits for no board
+            took = page.wait_for(b'"none"')
+            if in_time:
+                figure("the studio tells that it let go of a port", took, 0.2)  # the server waits for no board
         page.send({"t": "connect", "n": 5, "port": board.port, "scene": ""})
         page.wait_for(b'"connecting"')
         host.send_signal(signal.SIGTERM)
-        end_of(host, 4)
+        took = end_of(host)[1]
         assert host.returncode == 0
+        if in_time:
+            figure("the studio ends while it asks for a board", took, 2)
 
 
 def test_a_closed_terminal_leaves_nothing_on():
@@ -180,7 +188,7 @@ def test_a_closed_terminal_leaves_nothing_on():
         host = subprocess.Popen([str(PROGRAM), *PLAY, "--port", board.port], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
                                 preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))  # fmt: skip
         os.close(theirs)
-        wait_for(lambda: is_on(board))
+        until(lambda: is_on(board))
         os.close(ours)
-        host.wait(5)
+        host.wait(300)
         assert not is_on(board) and heard(board).index(ENABLE) < len(heard(board)) - 1 - heard(board)[::-1].index(DISABLE)

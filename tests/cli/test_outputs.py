@@ -10,6 +10,7 @@ import subprocess
 import time
 
 import pytest
+from patience import until
 from support import BAD_INPUT, OK, PROGRAM, RUN_FAILED, assert_one_message, read_json, refuse, run, snapshot, succeed, text
 
 CIRCLE = ["compile", "--shape", "circle"]
@@ -158,17 +159,17 @@ def test_kill_in_the_middle_leaves_the_old_file_or_the_new(tmp_path):
     arguments = [str(PROGRAM), *CIRCLE, "--points", "400", "-o", "image.hex"]
     begun = time.monotonic()
     succeed(arguments[1:], cwd=tmp_path)
-    whole = time.monotonic() - begun
+    whole = time.monotonic() - begun  # on a busy machine, too: some kills come before its end
     new = {name: (tmp_path / name).read_bytes() for name in ("image.hex", "image.json")}
     old = {name: b"old " * 30000 for name in new}
     killed = 0
-    for step in range(24):
+    for step in range(0, 24, 2):
         for name, content in old.items():
             (tmp_path / name).write_bytes(content)
         process = subprocess.Popen(arguments, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         time.sleep(whole * step / 20)
         process.kill()
-        killed += process.wait(30) == -signal.SIGKILL
+        killed += process.wait(300) == -signal.SIGKILL
         for name in new:
             assert (tmp_path / name).read_bytes() in (old[name], new[name]), f"{name} is half-written after {whole * step / 20:.3f} s"
     assert killed > 0, "never killed in time; this tested nothing"
@@ -176,11 +177,11 @@ def test_kill_in_the_middle_leaves_the_old_file_or_the_new(tmp_path):
 
 def test_kill_during_a_simulation_leaves_no_half_trace(small):
     (small.folder / "trace.fst").write_bytes(b"old")
-    process = subprocess.Popen([str(PROGRAM), "simulate", "image.hex", "--trace", "trace.fst", "--passes", "200"], cwd=small.folder,
+    process = subprocess.Popen([str(PROGRAM), "simulate", "image.hex", "--trace", "trace.fst", "--passes", "65535"], cwd=small.folder,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    time.sleep(1.0)
+    until(lambda: any(path.stat().st_size > 0 for path in small.folder.iterdir() if "trace.fst" in path.name and path.name != "trace.fst"), "a trace that is being written")
     process.kill()
-    assert process.wait(30) == -signal.SIGKILL, "it ended before; this tested nothing"
+    assert process.wait(300) == -signal.SIGKILL, "it ended before; this tested nothing"
     assert (small.folder / "trace.fst").read_bytes() == b"old"
 
 
@@ -208,7 +209,7 @@ def test_a_reader_that_goes_away(command, tmp_path):
     assert process.stdout.readline()
     process.stdout.close()
     message = text(process.stderr.read())
-    code = process.wait(30)
+    code = process.wait(300)
     assert code == -signal.SIGPIPE or code == OK or (code == BAD_INPUT and "Broken pipe" in message and message.count("\n") == 1), (code, message)
     process.stderr.close()
 
@@ -262,7 +263,7 @@ def test_progress_on_a_terminal_goes_to_stderr_only(small):
         pass
     os.close(master)
     process.stdout.close()
-    assert process.wait(30) == OK
+    assert process.wait(300) == OK
     assert json.loads(output)["points"] == 8
     assert b"%" in shown and shown.endswith(b"\x1b[K"), "no progress, or it is left standing"
 
@@ -278,7 +279,7 @@ def test_other_locales_change_nothing(locale, variable, tmp_path):
     (tmp_path / "b").mkdir()
     plain = succeed(arguments, cwd=tmp_path / "a", env={"LC_ALL": "C"})
     clean = {key: value for key, value in os.environ.items() if not key.startswith("LC_") and key != "LANG"}
-    other = subprocess.run([str(PROGRAM), *arguments], cwd=tmp_path / "b", env={**clean, variable: locale}, capture_output=True, check=False, timeout=30)
+    other = subprocess.run([str(PROGRAM), *arguments], cwd=tmp_path / "b", env={**clean, variable: locale}, capture_output=True, check=False, timeout=300)
     assert other.returncode == OK and other.stdout == plain.stdout and other.stderr == plain.stderr
     assert snapshot(tmp_path / "a") == snapshot(tmp_path / "b")
 

@@ -29,7 +29,7 @@ def test_every_page_with_commands_is_run_or_said_why_not():
     assert {name for name in names if "sh" in dict(BLOCK.findall((ROOT / name).read_text(encoding="utf-8")))} == {*PAGES, *OTHERS}
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", [pytest.param(page, marks=pytest.mark.deep) if page == "host/haptogram/robot/README.md" else page for page in PAGES])
 def test_every_command_of_the_page_runs(page, program, tmp_path):
     folder = tmp_path / "bin"
     folder.mkdir()
@@ -51,7 +51,7 @@ def test_every_command_of_the_page_runs(page, program, tmp_path):
         for line in text.splitlines():
             script.append(line)
             if line.rstrip().endswith("&"):
-                script.append("for _ in $(seq 100); do [ -e board ] || [ -e board-4 ] && break; sleep 0.1; done")
+                script.append("for _ in $(seq 3000); do [ -e board ] || [ -e board-4 ] && break; sleep 0.1; done")
     environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
     done = subprocess.run(["bash", "-c", "\n".join(script)], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]

@@ -9,7 +9,7 @@ PERIOD, CLOCK_HZ = 1250, 50e6
 
 def pulses_of(folder, *arguments, passes=1):
     succeed(["compile", *arguments, "-o", "image.hex"], cwd=folder)
-    succeed(["simulate", "image.hex", "--load", "direct", "--passes", passes, "--pulses", "pulses.csv"], cwd=folder, timeout=120)
+    succeed(["simulate", "image.hex", "--load", "direct", "--passes", passes, "--pulses", "pulses.csv"], cwd=folder, timeout=300)
     return np.loadtxt(folder / "pulses.csv", delimiter=",", skiprows=1, dtype=np.int64)
 
 

@@ -10,7 +10,7 @@ from support import RUN_FAILED, USAGE, assert_one_message, run, succeed, text
 MAGNITUDE_240 = (-9.518, 12.93, 0.1897)
 
 
-@pytest.mark.parametrize("mapping", ["G1", "G2", "G3"])
+@pytest.mark.parametrize("mapping", [*(pytest.param(mapping, marks=pytest.mark.deep) for mapping in ("G1", "G2")), "G3"])
 def test_a_cube_is_placed(mapping, tmp_path):
     found = json.loads(succeed(["robot", "place", "--mapping", mapping, "--frames", 3, "--json", "-o", "t.csv"], cwd=tmp_path, timeout=600).stdout)
     rows = np.genfromtxt(tmp_path / "t.csv", delimiter=",", names=True)
@@ -39,6 +39,7 @@ def test_a_cube_is_placed(mapping, tmp_path):
                 assert point["magnitude_at_pins"] == pytest.approx(np.polyval(MAGNITUDE_240, output), rel=1e-6)
 
 
+@pytest.mark.deep
 def test_a_picture_and_words(tmp_path):
     said = text(succeed(["robot", "place", "--mapping", "G3", "--frames", 1, "-o", "t.png"], cwd=tmp_path, timeout=600).stdout)
     assert "G3: placed after" in said and "at the pins" in said and "1200 carrier periods" in said

@@ -157,7 +157,7 @@ def test_a_mesh_is_an_object(tmp_path):
 
 
 def test_a_picture(tmp_path):
-    succeed(["render", "cube", "--size", 50, *PRESS, "--frame", 1, "--algorithm", "H", "-o", "touch.png", "-o", "path.json"], cwd=tmp_path, timeout=200)
+    succeed(["render", "cube", "--size", 50, *PRESS, "--frame", 1, "--algorithm", "H", "-o", "touch.png", "-o", "path.json"], cwd=tmp_path, timeout=300)
     assert (tmp_path / "touch.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "path.json").exists()
 
 

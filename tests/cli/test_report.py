@@ -49,7 +49,7 @@ NAME = 'ring <&> "1".hex'
 
 
 def test_the_page(ring):
-    succeed(["report", NAME], cwd=ring, timeout=120)
+    succeed(["report", NAME], cwd=ring, timeout=300)
     page = Page((ring / "report.html").read_text())
     manifest = read_json(ring / NAME.replace(".hex", ".json"))
     points = json.loads(succeed(["analyze", NAME, "--json"], cwd=ring).stdout)["points"]

@@ -49,7 +49,8 @@ def test_explore(tmp_path):
 
 @pytest.mark.parametrize(
     ("value", "sign", "pattern"),
-    [("distance", "frequency", "focus"), ("distance", "scaling", "ring"), ("texture", "intensity", "focus"), ("hardness", "rotation", "line")],
+    [("distance", "frequency", "focus"), ("texture", "intensity", "focus"),
+     pytest.param("distance", "scaling", "ring", marks=pytest.mark.deep), pytest.param("hardness", "rotation", "line", marks=pytest.mark.deep)],
 )
 def test_tell(value, sign, pattern, tmp_path):
     arguments = ["tell", "--value", value, "--sign", sign, "--pattern", pattern, "--frames", 2]

@@ -140,7 +140,7 @@ def test_the_manifests_of_a_rig(folder):
 
 def test_reports_of_simulations(folder):
     succeed(["compile", "--shape", "circle", "--points", 2, "--rate", 5000, "-o", "two.hex"], cwd=folder)
-    succeed(["simulate", "two.hex", "--load", "direct", "--report", "two.report.json"], cwd=folder, timeout=120)
+    succeed(["simulate", "two.hex", "--load", "direct", "--report", "two.report.json"], cwd=folder, timeout=300)
     one = read_json(folder / "two.report.json")
     assert wrong("simulation-report", one) == [] and one["points"] == 2
     for change in (without("points"), put(-1, "pulses"), put("2", "points"), put(1, "pulse"), put(3, "tiles"), without("level", "note"), without("records", 0, "cycles"), put(0.5, "records_off")):
@@ -158,7 +158,7 @@ def test_lines_of_live_sessions(tmp_path, algorithm, members):
     (tmp_path / "script").write_text("".join(json.dumps(line) + "\n" for line in script))
     words = ["live", "--from", "synthetic:press", "--object", "sphere", "--size", 80, "--center", "0,40,160", "--algorithm", algorithm]
     more = ["--scene-in", "script"] if algorithm == "A" else []
-    succeed([*words, *more, "--port", "reference:tile-100-wide", "--seconds", 0.4, "--scene", "lines"], cwd=tmp_path, timeout=120)
+    succeed([*words, *more, "--port", "reference:tile-100-wide", "--seconds", 0.4, "--scene", "lines"], cwd=tmp_path, timeout=300)
     lines = [json.loads(line) for line in (tmp_path / "lines").read_text().splitlines()]
     assert [complaint for line in lines for complaint in wrong("scene", line)] == []
     full = next(line for line in lines if all(line[key] for key in ("hands", "foci", "objects", *members)))

@@ -44,6 +44,9 @@ def path_json(focus, wave):
     return json.dumps(path)
 
 
+MADE_ONCE = ["folder", "few"]
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Everything that plays one focus, once under each modulation, and the pulses of what boards play."""
@@ -64,7 +67,7 @@ def folder(tmp_path_factory):
         for name, file in (("timings", "hex"), ("amplitudes", "hex"), ("foci", "hex"), ("wall", "json")):
             if (name, wave) == ("wall", "sine"):
                 continue  # four boards take half a minute
-            support.succeed(["simulate", f"{name}-{wave}.{file}", "--passes", 3, "--pulses", f"{name}-{wave}.csv"], cwd=folder, timeout=120)
+            support.succeed(["simulate", f"{name}-{wave}.{file}", "--passes", 3, "--pulses", f"{name}-{wave}.csv"], cwd=folder, timeout=300)
     return folder
 
 
@@ -79,7 +82,7 @@ def ask(folder, verb, source, z):
         "simulate": ["--json"],
         "solve": ["--json"],
     }[verb]
-    done = support.run([verb, *source, *more], cwd=folder, timeout=120)
+    done = support.run([verb, *source, *more], cwd=folder, timeout=300)
     if done.returncode != support.OK:
         return done, None
     if verb == "field":
@@ -127,6 +130,18 @@ def source_for(verb, source):
 
 
 @pytest.fixture(scope="module")
+def few(tmp_path_factory):
+    """A focus without a waveform: as a path, a project, an image of foci, and its pulses."""
+    tmp_path = tmp_path_factory.mktemp("few")
+    (tmp_path / "point.xyz").write_text("{} {} {}\n".format(*ONE))
+    (tmp_path / "path-none.json").write_text(path_json(ONE, "none"))
+    (tmp_path / "shapes-none.toml").write_text('format = "haptogram-project-1"\narray = "tile-10x10"\nboard = "tile-100-wide"\nrate_hz = 200\n[[shape]]\nfile = "point.xyz"\n')
+    support.succeed(["compile", "--path", "path-none.json", "--array", "tile-10x10", "--board", "tile-100-wide", "-o", "foci-none.hex"], cwd=tmp_path)
+    support.succeed(["simulate", "foci-none.hex", "--passes", 3, "--pulses", "foci-none.csv"], cwd=tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
 def matrix(folder):
     """A cell each: "yes", or what the refusal says; and all pressures beside what they should be."""
     cells, pressures = {}, []
@@ -147,6 +162,19 @@ def matrix(folder):
     return cells, pressures
 
 
+MEASURED = ["--pulses", "foci-none.csv", "--manifest", "foci-none.json"]
+
+
+def test_verbs_tell_the_same_pressure_of_a_focus(few):
+    """The row and column of each that are quick; all of them, under each waveform, are deep."""
+    whole = ask(few, "field", ["--focus={},{},{}".format(*ONE)], ONE[2])[1]
+    for source in (["path-none.json"], ["shapes-none.toml"], ["foci-none.hex"], MEASURED):
+        for verb in ("field", "feel") if source is MEASURED else ("field", "analyze", "feel"):
+            done, pressure = ask(few, verb, source, ONE[2])
+            assert done.returncode == support.OK and math.isclose(pressure, whole, rel_tol=0.025), (source, verb, support.text(done.stderr))
+
+
+@pytest.mark.deep
 def test_every_verb_tells_the_same_pressure(matrix):
     """However a focus is given, and whoever is asked: 2.5 % for the rounding of pulse lengths, and for skin that sound reaches at an angle."""
     _, pressures = matrix
@@ -155,6 +183,7 @@ def test_every_verb_tells_the_same_pressure(matrix):
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.deep
 def test_the_table_in_the_docs(matrix):
     cells, _ = matrix
     notes = sorted({cell for cell in cells.values() if cell != "yes"})
@@ -171,12 +200,11 @@ def test_the_table_in_the_docs(matrix):
     assert PAGE.read_text() == made, "docs/sources.md is out of date: HAPTOGRAM_RECORD=1 writes it"
 
 
-def test_one_record_of_what_was_measured(folder):
+def test_one_record_of_what_was_measured(few):
     """The pressure of pulses of record 1 is that of the image's record 1; a record too many, or of a focus, is refused."""
     line = ["--line", "z@x=5,y=-10", "--z", "150:151"]
-    pulses = ["--pulses", "foci-none.csv", "--manifest", "foci-none.json"]
-    asked = (["foci-none.hex"], pulses)
-    image, measured = (float(support.succeed(["field", *what, "--record", 1, *line], cwd=folder).stdout.split(b",")[-1].split()[-1]) for what in asked)
+    asked = (["foci-none.hex"], MEASURED)
+    image, measured = (float(support.succeed(["field", *what, "--record", 1, *line], cwd=few).stdout.split(b",")[-1].split()[-1]) for what in asked)
     assert math.isclose(image, measured, rel_tol=1e-3)
-    support.refuse(folder, ["field", *pulses, "--record", 9, *line], support.USAGE, "--record", "not 9", outputs=())
-    support.refuse(folder, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, "--record", "excludes", outputs=())
+    support.refuse(few, ["field", *MEASURED, "--record", 9, *line], support.USAGE, "--record", "not 9", outputs=())
+    support.refuse(few, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, "--record", "excludes", outputs=())

@@ -5,6 +5,7 @@ import signal
 
 import numpy as np
 import pytest
+from patience import also_in_time
 from support import BAD_INPUT, USAGE, array_for, ask, path_file, run, status, succeed, text, virtual_board
 
 PERIOD = 1250  # clocks
@@ -12,12 +13,12 @@ PERIOD = 1250  # clocks
 
 def at_the_pins(folder, image, command):
     """What a command says, and all pulses: channel, start and end in clocks from the first one's start, index."""
-    # The Verilated board waits for a busy machine.
+    # The Verilated board waits for a busy machine, mostly: who streams to it may still pause for longer than what it holds.
     with virtual_board(folder, "--image", image, "--pulses", "pulses.csv", "--model", "rtl") as board:
         said = json.loads(ask(folder, *command, "--json").stdout)
         assert status(folder)["modulated"] is ("--path" in command and "--am" in command)  # as after an upload of that path
         board.send_signal(signal.SIGINT)
-        board.communicate(timeout=60)
+        board.communicate(timeout=300)
     rows = np.loadtxt(folder / "pulses.csv", delimiter=",", skiprows=1, dtype=np.int64)
     rows[:, 1:3] -= rows[:, 1].min()
     return said, rows[np.lexsort(rows.T)]
@@ -37,9 +38,17 @@ def ring(count, radius=20):
 MODULATION = {"periods_a_sample": 16, "samples": [1.0, 0.6, 0.0, 0.3]}
 
 
-@pytest.mark.parametrize(("board", "modulation", "loops"), [("tile-100", None, 2), ("tile-100", MODULATION, 1), ("small-16-wide", None, 2)], ids=str)
-def test_a_path_makes_the_same_pulses_from_memory_and_live(board, modulation, loops, tmp_path):
-    """To the clock: dwells of one period and more, silence, a weak focus, two foci at a time, and amplitude modulation."""
+def turns(pulses):
+    """The records of channel 0 in their order."""
+    own = pulses[pulses[:, 0] == 0]
+    own = own[np.argsort(own[:, 1], kind="stable")]
+    return own[np.flatnonzero(np.diff(own[:, 3], prepend=0)), 3].tolist()
+
+
+@also_in_time
+@pytest.mark.parametrize(("board", "modulation", "loops"), [("tile-100", None, 2), pytest.param("tile-100", MODULATION, 1, marks=pytest.mark.deep), ("small-16-wide", None, 2)], ids=str)
+def test_a_path_makes_the_same_pulses_from_memory_and_live(board, modulation, loops, tmp_path, in_time):
+    """To the clock, unless the stream was late, which it may be on a busy machine: dwells of one period and more, silence, a weak focus, two foci at a time, and amplitude modulation."""
     foci = ring(9)
     steps = [([focus], periods) for focus, periods in zip(foci, (20, 13, 1, 1, 30, 14, 13, 14, 25), strict=True)]
     # An entry of another dwell is a frame of its own, 0.15 ms on the line, so the mean dwell must be longer than that.
@@ -50,10 +59,11 @@ def test_a_path_makes_the_same_pulses_from_memory_and_live(board, modulation, lo
     succeed(["compile", "--shape", "point", *options, "-o", "other.hex"], cwd=tmp_path)
     played, memory = at_the_pins(tmp_path, "held.hex", ["play", "--loops", loops])
     streamed, live = at_the_pins(tmp_path, "other.hex", ["stream", "--path", path, *options, "--loops", loops])
-    assert played["underruns"] == streamed["underruns"] == 0
+    assert played["underruns"] == 0 and (streamed["underruns"] == 0 or not in_time)
     assert streamed["sent"] == loops * len(entries_of(tmp_path, "held.hex"))
     assert len(memory) > 500 and len(set(memory[:, 3])) > 8
-    assert np.array_equal(memory, live), f"{len(memory)} and {len(live)} pulses; {only_in(memory, live)} | {only_in(live, memory)}"
+    assert turns(memory) == turns(live)
+    assert streamed["underruns"] or np.array_equal(memory, live), f"{len(memory)} and {len(live)} pulses; {only_in(memory, live)} | {only_in(live, memory)}"
 
 
 def test_a_path_of_more_foci_than_the_board_holds_is_streamed(tmp_path):
@@ -75,7 +85,8 @@ def entries_of(folder, image):
     return json.loads(succeed(["inspect", image, "--json"], cwd=folder).stdout)["sequence"]
 
 
-def test_a_stream_is_as_long_as_it_likes(tmp_path):
+@also_in_time
+def test_a_stream_is_as_long_as_it_likes(tmp_path, in_time):
     """More entries than the board's sequence memory has; the FIFO takes them one after the other."""
     foci = ring(4)
     order = [(i + i // 9) % 4 for i in range(1100)]
@@ -84,13 +95,11 @@ def test_a_stream_is_as_long_as_it_likes(tmp_path):
     assert result.returncode == BAD_INPUT and "sequence entries" in text(result.stderr)
     succeed(["compile", "--shape", "point", "-o", "other.hex"], cwd=tmp_path)
     said, pulses = at_the_pins(tmp_path, "other.hex", ["stream", "--path", "path.json"])
-    assert len(order) > 1023 and (said["sent"], said["underruns"]) == (len(order), 0)
-    one = pulses[pulses[:, 0] == 0]
-    one = one[np.argsort(one[:, 1])]
-    turns = one[np.flatnonzero(np.diff(one[:, 3], prepend=0)), 3]
+    assert len(order) > 1023 and said["sent"] == len(order) and (said["underruns"] == 0 or not in_time)
     first_seen = list(dict.fromkeys(order))  # records are numbered as they come
-    assert turns.tolist() == [1 + first_seen.index(i) for i in order]
-    assert round(one[-1, 2] / PERIOD) == pytest.approx(4 * len(order), abs=1)
+    assert turns(pulses) == [1 + first_seen.index(i) for i in order]
+    if not said["underruns"]:
+        assert round(pulses[pulses[:, 0] == 0][:, 2].max() / PERIOD) == pytest.approx(4 * len(order), abs=1)
 
 
 def levels(pulses, index, channel=0):
@@ -102,7 +111,8 @@ def levels(pulses, index, channel=0):
     return found
 
 
-def test_on_and_off_between_the_records_of_a_board_that_does_not_modulate(tmp_path):
+@also_in_time
+def test_on_and_off_between_the_records_of_a_board_that_does_not_modulate(tmp_path, in_time):
     succeed(["compile", "--shape", "point", "-o", "point.hex"], cwd=tmp_path)
     succeed(["compile", "--shape", "point", "--am", "square:500:0.25", "-o", "compiled.hex"], cwd=tmp_path)
     (tmp_path / "lines").write_text("1 300\n1 20\n")
@@ -110,8 +120,8 @@ def test_on_and_off_between_the_records_of_a_board_that_does_not_modulate(tmp_pa
     played = ["play", "--am", "square:500:0.25", "--seconds", 0.008]
     for command in (played, [*played, "--index", 1], ["stream", "lines", "--am", "square:500:0.25"]):
         said, gated = at_the_pins(tmp_path, "point.hex", command)
-        assert said["underruns"] == 0
-        assert levels(gated, 1).tolist() == levels(compiled, 1).tolist() and gated[:, 1:3].max() <= 320 * PERIOD
+        assert said["underruns"] == 0 or not in_time
+        assert said["underruns"] or levels(gated, 1).tolist() == levels(compiled, 1).tolist() and gated[:, 1:3].max() <= 320 * PERIOD
     with virtual_board(tmp_path, "--image", "point.hex"):
         (tmp_path / "hold").write_text("1 0\n")
         for command, code, needles in (
@@ -126,6 +136,7 @@ def test_on_and_off_between_the_records_of_a_board_that_does_not_modulate(tmp_pa
         assert status(tmp_path)["outputs"] == "off"
 
 
+@pytest.mark.deep
 def test_any_waveform_on_a_board_that_modulates(tmp_path):
     options = ["--board", "small-16-wide", "--array", array_for("small-16-wide", tmp_path)]
     succeed(["compile", "--shape", "point", *options, "-o", "point.hex"], cwd=tmp_path)

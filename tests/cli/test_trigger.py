@@ -10,22 +10,30 @@ from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, ask, assert_one_message, 
 
 
 @pytest.fixture
-def board(tmp_path):
-    with virtual_board(tmp_path, "--model", "reference", "--board", "ulx3s-85f"):
-        yield tmp_path
+def running(tmp_path):
+    with virtual_board(tmp_path, "--model", "reference", "--board", "ulx3s-85f") as board:
+        yield board
+
+
+@pytest.fixture
+def board(running, tmp_path):
+    """The folder that has its port."""
+    return tmp_path
 
 
 def trigger(folder, *options):
     return json.loads(ask(folder, "device", "trigger", "--json", *options).stdout)
 
 
-def test_what_is_set_stays_and_is_counted(board):
+@pytest.mark.check
+def test_what_is_set_stays_and_is_counted(board, running):
     first = trigger(board, "--out", "period", "--every", "400", "--pulse", "0.1")
     assert (first["out"], first["every"], first["pulse_ms"], first["in"]) == ("period", 400, 0.1, "high")
-    time.sleep(0.2)
+    running.goes_on_for(0.1)
     later = trigger(board, "--in", "low", "--settle", "0.02", "--test", "carrier", "--channel", "3")
     assert (later["out"], later["every"], later["in"], later["settle_ms"], later["test"], later["channel"]) == ("period", 400, "low", 0.02, "carrier", 3)
     clocks = later["clock"] - first["clock"]
+    assert clocks > 4_000_000
     assert abs((later["out_count"] - first["out_count"]) % 65536 - clocks / (400 * 1250) % 65536) <= 1.5
     assert 0 <= later["clock"] - later["out_clock"] <= 400 * 1250
 
@@ -40,7 +48,7 @@ def test_a_start_waits_for_it_and_stop_ends_the_wait(board):
     assert not said["waiting"] and said["outputs"] == "off"
 
 
-def test_playing_waits_for_it(board):
+def test_playing_waits_for_it(board, running):
     """Nothing drives the pin of a virtual board: it is low, which is active or not as it is set."""
     succeed(["compile", "--shape", "circle", "--points", "4", "--rate", "500", "--board", "ulx3s-85f", "-o", "c.hex"], cwd=board)
     ask(board, "upload", "c.hex")
@@ -50,10 +58,11 @@ def test_playing_waits_for_it(board):
     trigger(board, "--in", "high", "--level")
     waits = subprocess.Popen([PROGRAM, "play", "--loops", "3", "--seconds", "0.01", "--watchdog", "0", "--on-trigger", "--port", "port"], cwd=board, stderr=subprocess.DEVNULL,
                              stdout=subprocess.DEVNULL)  # fmt: skip
-    time.sleep(1.0)
+    running.until(outputs=True)
+    running.goes_on_for(0.3)
     assert waits.poll() is None, "its seconds begin with the trigger"
     waits.send_signal(signal.SIGINT)
-    waits.communicate(timeout=20)
+    waits.communicate(timeout=300)
     assert trigger(board)["out_count"] == 1 and status(board)["outputs"] == "off" and not status(board)["waiting"]
     for more in (["--rate", "20"], ["--index", "1"]):
         assert_one_message(run(["play", "--on-trigger", *more, "--port", "port"], cwd=board), USAGE, "on-trigger")
@@ -124,8 +133,29 @@ def waits_for_triggers(folder, *more):
                             stderr=subprocess.PIPE)  # fmt: skip
 
 
+def hand(x):
+    return json.dumps({"scene": 2, "hands": [{"palm_mm": [x, 0, 150], "fingers_mm": []}]})
+
+
 def test_keys_lines_and_hands_start_their_part(board):
-    """The second half of the pass begins with a mark, the first does not."""
+    """The second half of the pass begins with a mark, the first does not. What plays when the input ends is played to its end."""
+    design(board, TRIGGERS)
+    trigger(board, "--out", "mark")
+    told, marks = [], []
+    comes_in_once = "\n".join(["nothing of that", "{", *map(hand, (100, 0, 10, 100))]) + "\n"
+    for words in ("a\n", "go\n", comes_in_once, hand(0)):  # go: twice; the last line is one without its end
+        plays = waits_for_triggers(board)
+        _, said = plays.communicate(words.encode(), timeout=300)
+        assert plays.returncode == 0, said
+        told.append(said)
+        marks.append(trigger(board)["out_count"])
+    assert marks == [0, 2, 3, 4] and status(board)["outputs"] == "off"
+    assert b"found 'nothing of that', expected 'a', 'go' or a scene" in told[2] and b"standard input:1" in told[2] and b"no scene" in told[2]
+
+
+@pytest.mark.real_time
+def test_one_session_waits_for_many_triggers(board):
+    """What comes while a part plays begins at once, so each line comes when the one before has played."""
     design(board, TRIGGERS)
     trigger(board, "--out", "mark")
     plays = waits_for_triggers(board)
@@ -135,9 +165,6 @@ def test_keys_lines_and_hands_start_their_part(board):
         plays.stdin.flush()
         time.sleep(seconds)
 
-    def hand(x):
-        return json.dumps({"scene": 2, "hands": [{"palm_mm": [x, 0, 150], "fingers_mm": []}]})
-
     time.sleep(1.0)
     say("a", 0.6)
     say("go", 1.2)  # twice
@@ -146,7 +173,7 @@ def test_keys_lines_and_hands_start_their_part(board):
     for x in (100, 0, 10, 100):  # it comes in once
         say(hand(x), 0.5)
     plays.stdin.write(hand(0).encode())  # a last line without its end
-    _, said = plays.communicate(timeout=20)
+    _, said = plays.communicate(timeout=300)
     assert plays.returncode == 0, said
     assert b"found 'nothing of that', expected 'a', 'go' or a scene" in said and b"standard input:3" in said and b"no scene" in said
     assert trigger(board)["out_count"] == 4 and status(board)["outputs"] == "off"
@@ -157,7 +184,7 @@ def test_a_key_alone_starts_what_it_says(board):
     trigger(board, "--out", "pass")
     for words, passes in ((b"", 0), (b"a\n", 1), (b"go\n", 3)):
         plays = waits_for_triggers(board)
-        _, said = plays.communicate(words, timeout=20)
+        _, said = plays.communicate(words, timeout=300)
         assert plays.returncode == 0, said
         assert trigger(board)["out_count"] == passes, words
 
@@ -169,7 +196,7 @@ def test_the_pin_starts_its_part_again_and_again(board):
     ask(board, "play", "--triggers", "design.toml", "--seconds", "0.5", "--watchdog", "0")
     assert trigger(board)["out_count"] == 0 and not status(board)["waiting"]
     trigger(board, "--in", "low", "--level")
-    ask(board, "play", "--triggers", "design.toml", "--seconds", "1.5", "--watchdog", "0")
+    ask(board, "play", "--triggers", "design.toml", "--seconds", "3", "--watchdog", "0")
     assert trigger(board)["out_count"] >= 2 and status(board)["outputs"] == "off"
 
 

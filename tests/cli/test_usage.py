@@ -9,6 +9,7 @@ from support import BAD_INPUT, OK, USAGE, assert_one_message, read_json, refuse,
 CIRCLE = ["compile", "--shape", "circle", "-o", "image.hex"]
 
 
+@pytest.mark.check
 def test_version_and_help_are_data():
     result = succeed(["--version"])
     said = r"haptogram \d+\.\d+\.\d+\ncommit: ([0-9a-f]{7,}(-dirty)?|unknown)\nbuilt with: calibration hand scattering live robot .*\btile-100 .*\n"

@@ -34,7 +34,7 @@ def test_every_channel_reaches_its_element_and_no_rule_is_broken(board, array):
     assert netlist.faults(net, expected) == []
 
 
-@pytest.mark.parametrize("board, array", [TILES[0], TILES[3]], ids=lambda v: Path(v).stem)
+@pytest.mark.parametrize("board, array", [TILES[0], pytest.param(*TILES[3], marks=pytest.mark.deep)], ids=lambda v: Path(v).stem)
 def test_every_broken_netlist_is_noticed(board, array):
     print(f"seed {SEED}")
     noticed, missed = netlist.mutants(*made(board, array), seed=SEED)

@@ -7,7 +7,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from conftest import ROOT, cached, like_the_build, run
+import pytest
+from building import ROOT, cached, like_the_build, run
+
+pytestmark = pytest.mark.xdist_group("install")  # one folder, where one worker builds
 
 CONSUMER = Path(__file__).parent / "consumer"
 EXAMPLES = ROOT / "host"
@@ -94,6 +97,7 @@ def test_pkg_config(package, work):
     assert run("pkg-config", "--modversion", "haptogram", environment=environment).stdout.strip() == cached("CMAKE_PROJECT_VERSION")
 
 
+@pytest.mark.deep
 def test_add_subdirectory(beside):
     folder = beside("add_subdirectory")
     consume(folder, f"-DHAPTOGRAM_SOURCE={ROOT}", "-DHAPTOGRAM_WERROR=ON")

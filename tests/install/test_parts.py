@@ -5,7 +5,9 @@ import shutil
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, like_the_build, run
+from building import ROOT, like_the_build, run
+
+pytestmark = pytest.mark.xdist_group("install")  # one folder, where one worker builds
 
 USAGE = 2
 # As if it were not installed.
@@ -49,6 +51,7 @@ def without_both(folder, work):
     return program
 
 
+@pytest.mark.deep
 def test_without_simulation_and_ftdi_the_rest_works(without_both, work):
     run(without_both, "compile", "--shape", "point", "--center", "0,0,100", "-o", "point.hex", cwd=work)
     run(without_both, "inspect", "point.hex", cwd=work)
@@ -59,24 +62,29 @@ def test_without_simulation_and_ftdi_the_rest_works(without_both, work):
         assert "Usage" in run(without_both, command, "--help").stdout
 
 
+@pytest.mark.deep
 def test_simulation_that_is_left_out_says_so(without_both, work):
     for command in (["simulate", "point.hex", "--pulses", "p.csv"], ["simulate"], ["board", "run", "--pty", "port"]):
         assert "HAPTOGRAM_SIMULATION=ON" in says(without_both, work, *command, expect=USAGE)
 
 
+@pytest.mark.deep
 def test_ftdi_that_is_left_out_says_so(without_both, work):
     assert "HAPTOGRAM_FTDI=ON" in says(without_both, work, "device", "info", "--port", "ftdi:", expect=USAGE)
 
 
+@pytest.mark.deep
 def test_studio_that_is_left_out_says_so(without_both, work):
     assert "HAPTOGRAM_STUDIO=ON" in says(without_both, work, "studio", "--no-browser", expect=USAGE)
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("command, extension", [("calibrate", "calibration"), ("render", "hand"), ("align", "hand"), ("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
 def test_an_extension_that_is_left_out_says_so(without_both, work, command, extension):
     assert f"{extension} in HAPTOGRAM_EXTENSIONS" in says(without_both, work, command, expect=USAGE)
 
 
+@pytest.mark.deep
 def test_a_hand_where_hands_are_left_out_says_so(without_both, work):
     (work / "hand.toml").write_text('format = "haptogram-project-1"\n[hand]\nrecording = "synthetic:press"\n')
     for command in (["compile", "hand.toml", "-o", "hand.hex"], ["feel", "point.hex", "--hand", "synthetic:press"]):
@@ -90,6 +98,7 @@ def test_extensions_that_are_not_there_or_needed_by_tests(work):
     assert "the studio needs hand" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=", "-DHAPTOGRAM_STUDIO=ON", "-DHAPTOGRAM_TESTS=OFF", expect=1).stderr.split())
 
 
+@pytest.mark.deep
 def test_tests_without_simulation(without_both, folder):
     """The unit tests do not need it."""
     configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", "-DHAPTOGRAM_EXTENSIONS=calibration;scattering;live;robot", NO_VERILATOR,
@@ -100,8 +109,8 @@ def test_tests_without_simulation(without_both, folder):
     assert not any(name == "cli" or name.startswith("cosim/") for name in listed)
 
 
-@pytest.mark.parametrize("options", [["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_STUDIO=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"], ["--preset=quick"],
-                                     ["-DHAPTOGRAM_PROGRAM=OFF", "-DHAPTOGRAM_SIMULATION=OFF"]])
+@pytest.mark.parametrize("options", [*(pytest.param(options, marks=pytest.mark.deep) for options in (["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_STUDIO=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"])),
+                                     ["--preset=quick"], ["-DHAPTOGRAM_PROGRAM=OFF", "-DHAPTOGRAM_SIMULATION=OFF"]], ids=" ".join)  # fmt: skip
 def test_other_combinations_configure(work, options):
     configure(work / "configured", "--fresh", *options)
 

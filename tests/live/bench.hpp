@@ -23,11 +23,6 @@ struct LiveBench {
                 starts.emplace_back(seconds(c.clock), c.index);
         });
         client.identify();
-        clock = {[this] { return seconds(board.now()); },
-                 [this](double until_s) {
-                     const double clocks = until_s * board.parameters().clock_hz - static_cast<double>(board.now());
-                     if (clocks > 0.0) board.run(static_cast<std::uint64_t>(clocks) + 1);
-                 }};
     }
     explicit LiveBench(std::string_view configuration)
         : LiveBench(*haptogram::interface::find_configuration(configuration)) {}
@@ -40,7 +35,7 @@ struct LiveBench {
     haptogram::sim::ReferenceBoard board;
     haptogram::sim::SimulatedTransport line;
     haptogram::link::Client client;
-    haptogram::link::HostClock clock;
+    haptogram::link::Clock& clock = line.clock();
     std::vector<std::pair<double, std::uint16_t>> starts;  ///< changes of the record: when, and its index
 };
 
@@ -54,7 +49,7 @@ class DepthLoop {
 public:
     using Told = std::function<bool(const haptogram::live::ShotReport&, const haptogram::DepthShot&)>;
 
-    DepthLoop(haptogram::link::Commands& device, const haptogram::link::HostClock& clock, const haptogram::Array& array,
+    DepthLoop(haptogram::link::Commands& device, haptogram::link::Clock& clock, const haptogram::Array& array,
               const DepthOptions& options)
         : device_(device),
           clock_(clock),
@@ -78,7 +73,7 @@ public:
 
 private:
     haptogram::link::Commands& device_;
-    haptogram::link::HostClock clock_;
+    haptogram::link::Clock& clock_;
     haptogram::Array array_;
     DepthOptions options_;
     haptogram::live::RingPlayer player_;

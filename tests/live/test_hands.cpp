@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "../virtual_clock.hpp"
 #include "bench.hpp"
 #include "haptogram/format/focus_engine.hpp"
 #include "haptogram/hand/synthetic.hpp"
@@ -239,18 +240,20 @@ TEST_CASE("live hands: rings go around the fingers, and a tracker's ring is as l
 
 TEST_CASE("live hands: two threads and the loop lose no frame, and the newest wins where the feeler is slow") {
     struct Slow final : live::Feeler {
+        link::Clock& clock;
         double seconds;
-        explicit Slow(double s) : seconds(s) {}
+        Slow(link::Clock& c, double s) : clock(c), seconds(s) {}
         std::optional<Path> feel(const live::Frame&, live::ShotReport&) override {
-            link::steady_clock().wait_until(seconds);
+            clock.rest(link::Clock::time(seconds));
             return Path{{{{{{0, 0, 0.2}, 1.0}}, 10}}, {}};
         }
         live::ShotCounts counts() const override { return {}; }
     };
     for (const double slow_s : {0.0, 0.03}) {
         live::RecordedHands source(pressing(0.5), "hands");
-        Slow feeler(slow_s);
-        live::Pipeline pipeline(source, feeler, link::steady_clock());
+        test::VirtualClock clock;
+        Slow feeler(clock, slow_s);
+        live::Pipeline pipeline(source, feeler, clock);
         std::vector<std::uint64_t> numbers;
         while (const auto frame = pipeline.next()) {
             live::ShotReport report;

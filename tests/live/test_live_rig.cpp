@@ -19,6 +19,7 @@
 #include "tiles.hpp"
 
 using namespace haptogram;
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -91,18 +92,12 @@ struct RigBench {
         at_focus += std::polar(1.0, 2.0 * std::numbers::pi * (arrives - *begins) / carrier_s);
         pulses += 1.0;
     }
-    [[nodiscard]] link::HostClock clock() {
-        return {[this] { return fs * static_cast<double>(boards.now()); },
-                [this](double until_s) {
-                    const double left = until_s / fs - static_cast<double>(boards.now());
-                    if (left > 0.0) boards.run(static_cast<sim::Femtoseconds>(left) + 1);
-                }};
-    }
+    [[nodiscard]] link::Clock& clock() { return lines.front()->clock(); }
     void serve(live::Player& player, double for_s) {
-        const link::HostClock time = clock();
+        link::Clock& time = clock();
         const double until_s = time.now_s() + for_s;
         while (time.now_s() < until_s)
-            if (!player.service()) time.wait_until(time.now_s() + 0.5e-3);
+            if (!player.service()) time.rest(500us);
     }
     /// How well pulses of both boards meet at a place that is played: 1 when all come at the same time.
     [[nodiscard]] double coherence(live::Player& player, Vec3 place) {
@@ -157,7 +152,7 @@ void play_on_both(RigBench& bench, live::Player& player, bool still) {
         player.replace(circle_at({0, 0, 0.18}, 10), 3, 0.2);
         bench.serve(player, 0.1);
         CHECK(bench.device->beginnings() == begun + 1);
-        bench.clock().wait_until(bench.clock().now_s() + 0.1);  // nobody sends anything
+        bench.clock().rest(100ms);  // nobody sends anything
         bench.serve(player, 0.2);
         CHECK(bench.device->beginnings() > begun + 1);
         // Whichever board ran dry, the rig has.

@@ -2,10 +2,8 @@
 # The byte side of the port's receiver as a program, to which a model in Python sends frames: a million in the preset `deep`.
 set(HERE ${CMAKE_CURRENT_LIST_DIR})
 add_library(module_net_receiver STATIC)
-set_target_properties(module_net_receiver PROPERTIES SYSTEM ON)
-verilate(module_net_receiver SOURCES ${HERE}/net_receiver_bench.v TOP_MODULE net_receiver_bench PREFIX Vnet_receiver_bench
-  INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/net_receiver_model OPT_FAST -O2 OPT_SLOW -O1
-  VERILATOR_ARGS -Wall -O3 --x-assign fast --x-initial unique)
+haptogram_verilate(module_net_receiver Vnet_receiver_bench net_receiver_bench SOURCES ${HERE}/net_receiver_bench.v
+  INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net OPTIONS -Wall)
 add_executable(net_receiver ${HERE}/net_receiver.cpp)
 target_link_libraries(net_receiver PRIVATE module_net_receiver)
 target_compile_options(net_receiver PRIVATE -O2 -Wall -Wextra)

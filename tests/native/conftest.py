@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests share: the C++ program as a process, and fields as numpy sums them."""
+"""What the tests share: the C++ program as a process, and random numbers."""
 import os
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.special import j1
-
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
+from pistons import PROGRAM
 
 
 @pytest.fixture
@@ -18,7 +14,7 @@ def program(tmp_path):
 
     def run(*arguments):
         command = [str(PROGRAM), *map(str, arguments)]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, timeout=120, check=False)
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, timeout=300, check=False)
         assert done.returncode == 0, done.stderr.decode()
         return done.stdout
 
@@ -31,14 +27,3 @@ def rng():
     seed = int(os.environ.get("HAPTOGRAM_SEED") or np.random.SeedSequence().entropy % 2**32)
     print(f"HAPTOGRAM_SEED={seed}")
     return np.random.default_rng(seed)
-
-
-def waves(array, points, radius_m=4.5e-3):
-    """Points × elements: what each piston of 1 Pa m makes at each point."""
-    k = 2.0 * np.pi / array.wavelength_m
-    ray = np.asarray(points)[:, None, :] - array.positions_m[None, :, :]
-    distance = np.linalg.norm(ray, axis=2)
-    along = np.einsum("pme,me->pm", ray, array.normals)
-    x = k * radius_m * np.sqrt(np.maximum(0.0, distance**2 - along**2)) / distance
-    pattern = np.where(x < 1e-9, 1.0, 2.0 * j1(x) / np.maximum(x, 1e-9))
-    return pattern / distance * np.exp(-1j * k * distance)

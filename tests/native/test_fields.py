@@ -2,7 +2,7 @@
 """Fields against sums in numpy, in double precision."""
 import haptogram_native as native
 import numpy as np
-from conftest import waves
+from pistons import waves
 
 
 def some_drives(rng, array):

@@ -41,6 +41,7 @@ def large(array, threads=1):
 
 
 def test_others_run_while_it_computes(array):
+    """Within one call another thread runs again and again. With the lock held it would once or twice, however often it is called."""
     ticks = 0
     over = threading.Event()
 
@@ -52,14 +53,14 @@ def test_others_run_while_it_computes(array):
 
     other = threading.Thread(target=count)
     other.start()
-    begun = time.perf_counter()
-    large(array)
-    lasted = time.perf_counter() - begun
-    seen = ticks
+    most, tries = 0, 0
+    while most < 10 and tries < 100:  # a busy machine may give the other none of a call's time
+        before = ticks
+        large(array)
+        most, tries = max(most, ticks - before), tries + 1
     over.set()
     other.join()
-    assert lasted > 0.05
-    assert seen >= 10  # with the lock held it would be one or two
+    assert most >= 10
 
 
 def test_control_c_ends_it(array):

@@ -35,7 +35,7 @@ def record(path, serial, pictures, intrinsics, unit_m=0.000125, first_number=1, 
         frame.timestamp, frame.domain = start_ms + 1000 * i / RATE, rs.timestamp_domain.hardware_clock
         frame.frame_number, frame.profile, frame.depth_units = first_number + i, profile, unit_m
         sensor.on_video_frame(frame)
-        queue.wait_for_frame(1000)
+        queue.wait_for_frame(60000)
         time.sleep(wait_s)
     recorded.stop()
     recorded.close()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a chain behind one port: as bytes, and with two Verilated boards."""
+"""Tiles of a chain behind one port: as bytes, and with two Verilated processes."""
 import random
 import time
 
 import pytest
-from boards import virtual_board
+from processes import virtual_board
 from haptogram import Client, HaptogramError
 from haptogram.chain import ChainedLine, header, split
 
@@ -91,11 +91,11 @@ def test_numbers_that_no_tile_has(port):
 def test_two_tiles_behind_one_port(folder):
     with virtual_board(folder, "--tiles", 2, "--chain", "--model", "rtl", "--speed", "max"):
         for tile in (1, 2):
-            with Client.open(str(folder / f"port#{tile}")) as client:
+            with Client.open(str(folder / f"port#{tile}"), 1_000_000) as client:
                 assert client.identity.channels == 100
                 client.write(0, bytes([tile, 0, 7, tile]))
         for tile in (2, 1):
-            with Client.open(str(folder / f"port#{tile}")) as client:
+            with Client.open(str(folder / f"port#{tile}"), 1_000_000) as client:
                 assert client.read(0, 4) == bytes([tile, 0, 7, tile])
         with pytest.raises(HaptogramError, match="no answer to identify"):
             Client.open(str(folder / "port#3"))

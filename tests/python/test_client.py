@@ -3,8 +3,9 @@
 import time
 import zlib
 
-import boards
+import processes
 import pytest
+from patience import until
 from haptogram import Client, ErrorCode, HaptogramError, Image
 from haptogram.interface import PRIMARY_BASE, SEQUENCE_BASE
 
@@ -83,13 +84,11 @@ def test_outputs_go_off_whatever_ends_it(board):
 def test_the_watchdog_and_that_there_can_be_none(board):
     board.set_watchdog(1)
     board.enable()
-    end = time.monotonic() + 10
-    while board.status().enabled and time.monotonic() < end:
-        time.sleep(0.3)
+    until(lambda: time.sleep(0.05) or not board.status().enabled, "the watchdog's turn")  # who asks keeps it away
     assert board.status().watchdog_trips == 1
     board.set_watchdog(0)
     board.enable()
-    time.sleep(0.5)
+    time.sleep(0.6)  # it would have been 500 ms
     assert board.status().enabled
     board.disable()
     assert not board.status().enabled
@@ -129,7 +128,7 @@ def test_upload_notices_a_memory_that_forgets(board, image):
 
 
 def test_an_image_for_another_board(board, folder):
-    boards.haptogram(folder, "compile", "--shape", "point", "--board", "ice40-hx8k-breakout", "-o", "other.hex")
+    processes.haptogram(folder, "compile", "--shape", "point", "--board", "ice40-hx8k-breakout", "-o", "other.hex")
     before = board.status().frames_good
     with pytest.raises(HaptogramError, match="48000000 Hz clock, the board has 50000000 Hz; compile it for this board") as error:
         board.upload(Image.load(str(folder / "other.hex")))
@@ -146,5 +145,5 @@ def test_one_program_at_a_time(board, folder):
     path = str(folder / "port")
     with pytest.raises(HaptogramError, match="another program is using it"):
         Client.open(path)
-    theirs = boards.run([boards.PROGRAM, "device", "info", "--port", "port"], folder)
-    assert theirs.returncode == boards.DEVICE and "another program" in theirs.stderr
+    theirs = processes.run([processes.PROGRAM, "device", "info", "--port", "port"], folder)
+    assert theirs.returncode == processes.DEVICE and "another program" in theirs.stderr

@@ -4,22 +4,19 @@ import json
 import os
 import signal
 import subprocess
-import time
 
-import boards
+import processes
 import pytest
-from boards import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, haptogram, python_command, run, virtual_board
+from processes import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, haptogram, python_command, run, virtual_board
 from haptogram import Image
-
-STARTED = 1.0  # seconds in which a host has begun to play
-
+from patience import also_in_time
 
 def status(folder):
     return json.loads(ask(folder, "device", "status", "--json"))
 
 
 def start(folder, *args, **more):
-    return subprocess.Popen(python_command(*args, "--port", "port"), cwd=folder, env=boards.ENVIRONMENT, stdout=subprocess.PIPE,
+    return subprocess.Popen(python_command(*args, "--port", "port"), cwd=folder, env=processes.ENVIRONMENT, stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True, **more)  # fmt: skip
 
 
@@ -50,41 +47,46 @@ def test_what_one_program_uploads_the_other_finds(folder, image):
 
 
 def test_play_ends_with_outputs_off(folder):
-    with virtual_board(folder, "--image", "image.hex"):
+    with virtual_board(folder, "--image", "image.hex") as board:
         whole = {"underruns": 0, "refused_records": 0, "watchdog_trips": 0, "guard_trips": 0, "interrupted": False}
         assert json.loads(ask(folder, "play", "--loops", 1, "--json")) == whole
         assert json.loads(ask(folder, "play", "--index", 3, "--seconds", 0.3, "--json")) == whole
-        host = start(folder, "play", "--json")  # for ever, as the image says
-        time.sleep(STARTED)
+        host = start(folder, "play", "--watchdog", "60000", "--json")  # for ever, as the image says
+        board.until(outputs=True, record=True)
         host.send_signal(signal.SIGINT)
-        assert json.loads(host.communicate(timeout=20)[0])["interrupted"] is True
+        assert json.loads(host.communicate(timeout=300)[0])["interrupted"] is True
         assert host.returncode == 0
         now = status(folder)
         assert (now["outputs"], now["index"], now["watchdog_trips"]) == ("off", 0, 0)
 
 
-def test_a_stream_is_played_in_order(folder):
+@also_in_time
+def test_a_stream_is_played_in_order(folder, in_time):
+    """What the board holds lasts 13 ms, so that only on an idle machine it is never late. The order is the same on any."""
     (folder / "lines").write_text("".join(f"{1 + i % 4}\n" for i in range(300)) + "5 7\r\n 6,8")
     with virtual_board(folder, "--image", "image.hex", "--pulses", "pulses.csv") as board:
-        assert json.loads(ask(folder, "stream", "lines", "--dwell", 2, "--json")) == {"sent": 302, "underruns": 0, "refused_records": 0, "interrupted": False}
+        said = json.loads(ask(folder, "stream", "lines", "--dwell", 2, "--json"))
+        assert said == {"sent": 302, "underruns": 0 if in_time else said["underruns"], "refused_records": 0, "interrupted": False}
         assert status(folder)["outputs"] == "off"
         board.send_signal(signal.SIGINT)
-        board.communicate(timeout=30)
+        board.communicate(timeout=300)
     rows = [[int(n) for n in line.split(",")] for line in (folder / "pulses.csv").read_text().splitlines()[1:]]
     played = [row[3] for row in sorted(rows) if row[0] == 0 and row[3] > 0]
-    assert played[-15:] == [5] * 7 + [6] * 8  # one pulse a cycle
+    if in_time:
+        assert played[-15:] == [5] * 7 + [6] * 8  # one pulse a cycle
     changes = [a for a, b in zip(played, played[1:], strict=False) if a != b]
     assert changes == [1 + i % 4 for i in range(300)] + [5]
 
 
 def test_a_pipe_is_played_as_it_comes_and_silence_between_is_no_failure(folder):
-    with virtual_board(folder, "--image", "image.hex"):
-        host = start(folder, "stream", "--dwell", "0", "--json", stdin=subprocess.PIPE)
-        for line in ("3\n", "4\n"):
-            host.stdin.write(line)
+    with virtual_board(folder, "--image", "image.hex") as board:
+        host = start(folder, "stream", "--dwell", "0", "--watchdog", "60000", "--json", stdin=subprocess.PIPE)
+        for record in (3, 4):
+            host.stdin.write(f"{record}\n")
             host.stdin.flush()
-            time.sleep(STARTED)
-        assert json.loads(host.communicate(timeout=20)[0]) == {"sent": 2, "underruns": 0, "refused_records": 0, "interrupted": False}
+            board.until(outputs=True, record=record)
+            board.goes_on_for(0.3)
+        assert json.loads(host.communicate(timeout=300)[0]) == {"sent": 2, "underruns": 0, "refused_records": 0, "interrupted": False}
 
 
 def test_what_cannot_be_played_or_read(folder):
@@ -107,10 +109,10 @@ def test_what_cannot_be_played_or_read(folder):
 
 def test_the_board_goes_while_playing(folder):
     with virtual_board(folder, "--image", "image.hex") as board:
-        host = start(folder, "play")
-        time.sleep(STARTED)
+        host = start(folder, "play", "--watchdog", "60000")
+        board.until(outputs=True, record=True)
         board.kill()
-        message = host.communicate(timeout=30)[1]
+        message = host.communicate(timeout=300)[1]
     assert host.returncode == DEVICE
     assert "the port is gone" in message and "the watchdog turns the outputs off" in message and "Traceback" not in message
 

@@ -3,7 +3,7 @@
 import json
 import os
 
-import boards
+import processes
 import pytest
 from haptogram import HaptogramError, Image, Record, hexfile
 from intelhex import IntelHex
@@ -23,7 +23,7 @@ def test_a_saved_image_is_the_same_to_both_programs(folder, image):
     image.save(str(folder / "saved.hex"))
     assert Image.load(str(folder / "saved.hex")) == image
     assert IntelHex(str(folder / "saved.hex")).todict() == IntelHex(str(folder / "image.hex")).todict()
-    assert boards.haptogram(folder, "inspect", "saved.hex") == boards.haptogram(folder, "inspect", "image.hex")
+    assert processes.haptogram(folder, "inspect", "saved.hex") == processes.haptogram(folder, "inspect", "image.hex")
 
 
 def test_bytes_are_read_as_a_file_is(compiled, image):
@@ -69,7 +69,7 @@ def test_what_an_image_cannot_say(address, value, message, compiled, tmp_path):
     file.write_hex_file(str(tmp_path / "bad.hex"))
     with pytest.raises(HaptogramError, match=message) as error:
         Image.load(str(tmp_path / "bad.hex"))
-    assert error.value.code == boards.BAD_INPUT
+    assert error.value.code == processes.BAD_INPUT
 
 
 @pytest.mark.parametrize(("damage", "where", "message"), [
@@ -87,7 +87,7 @@ def test_a_damaged_file(damage, where, message, compiled, tmp_path):
     (tmp_path / "bad.hex").write_text(damage(compiled.read_text()), encoding="latin-1")
     with pytest.raises(HaptogramError, match=message) as error:
         Image.load(str(tmp_path / "bad.hex"))
-    assert error.value.code == boards.BAD_INPUT
+    assert error.value.code == processes.BAD_INPUT
     assert error.value.where == str(tmp_path / where)
 
 

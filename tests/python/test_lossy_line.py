@@ -9,7 +9,7 @@ import termios
 import threading
 import tty
 
-import boards
+import processes
 import pytest
 from haptogram import Client
 
@@ -54,23 +54,23 @@ def lossy(port, seed):
             os.close(descriptor)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.deep)])
 def test_an_upload_arrives_whole(folder, image, seed):
-    with boards.virtual_board(folder):
+    with processes.virtual_board(folder):
         with lossy(str(folder / "port"), seed) as (port, harm), Client.open(port) as client:
             client.upload(image)
             client.compare(image)
             assert client.download() == image
             assert harm["dropped"] and harm["damaged"] and client.retransmissions
-        assert "read back and equal" in boards.haptogram(folder, "upload", "image.hex", "--port", "port", "--verify")
+        assert "read back and equal" in processes.haptogram(folder, "upload", "image.hex", "--port", "port", "--verify")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.deep)])
 def test_an_upload_of_the_program_arrives_whole(folder, image, seed):
     """The other client on the same line."""
-    with boards.virtual_board(folder):
+    with processes.virtual_board(folder):
         with lossy(str(folder / "port"), seed) as (port, harm):
-            told = json.loads(boards.haptogram(folder, "upload", "image.hex", "--port", port, "--baud", "1000000", "--verify", "--json"))
+            told = json.loads(processes.haptogram(folder, "upload", "image.hex", "--port", port, "--baud", "1000000", "--verify", "--json"))
             assert harm["dropped"] and harm["damaged"] and told["retransmissions"]
         with Client.open(str(folder / "port")) as client:
             client.compare(image)

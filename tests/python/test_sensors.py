@@ -15,7 +15,8 @@ import time
 import numpy as np
 import pytest
 import websockets
-from boards import BAD_INPUT, DEVICE, ENVIRONMENT, OK, PROGRAM, USAGE, haptogram, run, virtual_board
+from patience import also_in_time
+from processes import BAD_INPUT, DEVICE, ENVIRONMENT, OK, PROGRAM, USAGE, haptogram, run, virtual_board
 from realsense_recording import RATE, record
 
 T = 1 / RATE
@@ -44,7 +45,7 @@ def leap(*args):
 
 def pipe(folder, *args):
     """What haptogram-realsense writes; it must succeed."""
-    done = subprocess.run(realsense(*args), cwd=folder, env=ENVIRONMENT, stdin=subprocess.DEVNULL, capture_output=True, timeout=60, check=False)
+    done = subprocess.run(realsense(*args), cwd=folder, env=ENVIRONMENT, stdin=subprocess.DEVNULL, capture_output=True, timeout=300, check=False)
     assert (done.returncode, done.stderr) == (OK, b"")
     return done.stdout
 
@@ -70,21 +71,24 @@ def flat(counts):
     return [np.full((48, 64), count, np.uint16) for count in counts]
 
 
-def test_what_a_camera_sees_goes_over_the_pipe_as_it_is(tmp_path):
+@also_in_time
+def test_what_a_camera_sees_goes_over_the_pipe_as_it_is(tmp_path, figure, in_time):
     pictures = [np.random.default_rng(i).integers(0, 65536, (48, 64), np.uint16) for i in range(12)]
     record(tmp_path / "a.db3", "111", pictures, INSIDE, unit_m=0.0001, first_number=40, wait_s=T)
     result = pipe(tmp_path, "--recording", "a.db3")
     head = result.split(b"\0")[0].decode()
     assert "unit_mm = 0.1\n" in head and "focal_px = [60.0, 61.0]" in head and "centre_px = [31.5, 23.5]" in head and "rate_hz = 30.0" in head
     found = shots(result, 1)
-    assert len(found) >= 3  # the library drops a picture that nobody has fetched when the next one comes
+    assert found  # the library drops a picture that nobody has fetched when the next one comes
     which = [next(i for i, picture in enumerate(pictures) if np.array_equal(seen.reshape(48, 64), picture)) for _, _, (seen,) in found]
     assert [number - found[0][0] for number, _, _ in found] == [i - which[0] for i in which] and which == sorted(set(which))
-    for (_, time_s, _), i in zip(found, which, strict=True):
-        assert abs(time_s - found[0][1] - (i - which[0]) * T) < 0.3  # a busy machine is late
+    if in_time:
+        figure("pictures of a recorded camera that were dropped", len(pictures) - len(found), 3, "of 12")
+        figure("times of its pictures are off by", max(abs(time_s - found[0][1] - (i - which[0]) * T) for (_, time_s, _), i in zip(found, which, strict=True)), 0.1)
 
 
-def test_several_cameras_make_one_shot_and_one_that_ends_is_missing(tmp_path):
+@also_in_time
+def test_several_cameras_make_one_shot_and_one_that_ends_is_missing(tmp_path, figure, in_time):
     record(tmp_path / "a.db3", "111", flat(range(100, 130)), INSIDE, first_number=7, wait_s=T)
     record(tmp_path / "b.db3", "222", flat(range(500, 512)), INSIDE, first_number=70, wait_s=T)
     (tmp_path / "poses.toml").write_text(POSES)
@@ -93,9 +97,11 @@ def test_several_cameras_make_one_shot_and_one_that_ends_is_missing(tmp_path):
     found = shots(written, 2)
     seen = [[None if picture is None else int(picture[0]) for picture in pictures] for _, _, pictures in found]
     both = [pair for pair in seen if None not in pair]
-    assert len(both) >= 3 and np.ptp([second - first for first, second in both]) <= 3  # on a busy machine they come at odd times
     alone = [second for first, second in seen if first is None]
-    assert len(alone) >= 3 and all(number > last for (last, _, _), (number, _, _) in zip(found, found[1:], strict=False))
+    if in_time:
+        assert len(both) >= 3 and len(alone) >= 3
+        figure("two recorded cameras: pictures of a shot are apart by", np.ptp([second - first for first, second in both]), 1, "pictures")
+    assert seen and all(number > last for (last, _, _), (number, _, _) in zip(found, found[1:], strict=False))
     only = tmp_path / "only.toml"
     only.write_text(POSES[: POSES.rindex("[[camera]]")])
     written = pipe(tmp_path, "--recording", "a.db3", "--recording", "b.db3", "--poses", "only.toml")
@@ -135,7 +141,8 @@ def test_what_cannot_be_used_is_named(tmp_path):
     poses("[[camera]", "cannot be read")
 
 
-def test_fingers_before_a_camera_are_felt(tmp_path):
+@also_in_time
+def test_fingers_before_a_camera_are_felt(tmp_path, in_time):
     """From the library's recording of fingers to rings at the pins of a board in a process of its own."""
     press = ["live", "--from", "fingers:press", "--size", "60", "--center", "0,0,170", "--cameras", "1", "--seconds", "1"]
     haptogram(tmp_path, *press, "--port", "reference:tile-100", "--record", "hand")
@@ -150,12 +157,14 @@ def test_fingers_before_a_camera_are_felt(tmp_path):
     (tmp_path / "poses.toml").write_text('[[camera]]\nserial = "111"\n' + "".join(f"{key} = {value}\n" for key, value in pose.items()))
     with virtual_board(tmp_path, "--model", "reference"):
         camera = subprocess.Popen(realsense("--recording", "hand.db3", "--poses", "poses.toml"), cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE)
-        command = [PROGRAM, "live", "--from", "depth-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "5000", "--record", "again", "--json"]
+        command = [PROGRAM, "live", "--from", "depth-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "60000", "--record", "again", "--json"]
         felt = run(command, tmp_path, stdin=camera.stdout)
-        assert camera.wait(10) == 0
+        assert camera.wait(300) == 0
     assert felt.returncode == OK, felt.stderr
     report = json.loads(felt.stdout)
-    assert report["shots"] >= 3 and report["with_rings"] >= 1 and report["rings"] >= 1
+    assert report["shots"] >= 1
+    if in_time:
+        assert report["shots"] >= 3 and report["with_rings"] >= 1 and report["rings"] >= 1
     first = {picture.tobytes() for picture in pictures}
     again = [np.round(imread(file) * 65535).astype(np.uint16).tobytes() for file in (tmp_path / "again/camera1").glob("*.png")]
     assert len(again) == report["shots"] and set(again) <= first
@@ -318,7 +327,7 @@ class Service:
 
     def __enter__(self):
         self._thread.start()
-        assert self._ready.wait(10)
+        assert self._ready.wait(300)
         return self
 
     def __exit__(self, *_):
@@ -344,24 +353,30 @@ class Service:
 VERSION = json.dumps({"serviceVersion": "5.0", "version": 6})
 
 
+@also_in_time
 @pytest.mark.parametrize("board", ["tile-100-wide", "tile-100"])
-def test_hands_of_the_tracking_service_are_felt(tmp_path, board):
+def test_hands_of_the_tracking_service_are_felt(tmp_path, board, figure, in_time):
     messages = [VERSION, json.dumps({"event": {"type": "deviceEvent", "state": {"attached": True}}}, indent=1)]
     messages += [json.dumps(hand(5_000_000 + round(i * 1e6 / 110), approach(i))) for i in range(165)]
     with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", "--board", board):
         tracker = subprocess.Popen(leap("--url", service.url), cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        command = [PROGRAM, "live", "--from", "leap-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "5000", "--json"]
+        command = [PROGRAM, "live", "--from", "leap-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "60000", "--json"]
         felt = run(command, tmp_path, stdin=tracker.stdout)
-        assert tracker.wait(10) == DEVICE and "closed the connection" in tracker.stderr.read()
+        assert tracker.wait(300) == DEVICE and "closed the connection" in tracker.stderr.read()
         assert service.heard == [{"background": True}]
     assert felt.returncode == OK, felt.stderr
-    report, least = json.loads(felt.stdout), 100
+    report = json.loads(felt.stdout)
+    assert report["shots"] >= 1 and report["with_rings"] >= 1 and report["junk"] == 0
+    if not in_time:
+        return
+    least = 100
     if board == "tile-100":  # records, as fast as the line brings them: it is told how long a path takes, and each waits for a whole frame
         path_ms = float(re.search(r"which take ([0-9.]+) ms on the line", felt.stderr)[1])
         assert path_ms < 40
         # What the line was measured to take grows by the time that a busy machine takes to answer: a path just shorter than a frame may miss the next.
         least = 0.9 * 165 / math.ceil(1.3 * path_ms * 0.110)
-    assert report["shots"] >= least and report["missed"] < report["shots"] / 2 and report["with_rings"] >= 0.9 * least and report["junk"] == 0
+    figure(f"hands of the tracking service on {board}: shots that came too late", report["missed"] / report["shots"], 0.16, "of all")
+    assert report["shots"] >= least and report["with_rings"] >= 0.9 * least
     assert board == "tile-100" or report["lost"] == 0
 
 

@@ -6,7 +6,7 @@ import re
 import sys
 
 import pytest
-from boards import OK, ROOT, RUN_FAILED, run
+from processes import OK, ROOT, RUN_FAILED, run
 from haptogram import HaptogramError
 from haptogram.study import printed
 

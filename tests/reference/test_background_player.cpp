@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <thread>
 
+#include "../virtual_clock.hpp"
+#include "../virtual_line.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/background_player.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "reference_port.hpp"
+#include "reference_board.hpp"
 
 using namespace haptogram;
 using namespace std::chrono_literals;
@@ -19,22 +18,20 @@ namespace {
 
 constexpr auto configuration = "tile-100-wide";
 
-bool soon(const std::function<bool()>& condition) {
-    for (const auto end = std::chrono::steady_clock::now() + 60s; std::chrono::steady_clock::now() < end;)
-        if (condition()) return true;
-    return false;
-}
-
 }  // namespace
 
 TEST_CASE("what plays in the background falls silent when it must", "[reference]") {
-    std::atomic<std::uint64_t> pulses = 0;
-    link::BackgroundPlayer player(
-        [&] {
-            return sim::reference_port(configuration,
-                                       [&pulses](const sim::Edge& edge) { pulses += edge.rises ? 1 : 0; });
-        },
-        20s);
+    test::VirtualClock clock;
+    sim::ReferenceBoard board(configuration);
+    std::uint64_t pulses = 0;
+    board.on_edge([&pulses](const sim::Edge& edge) { pulses += edge.rises ? 1 : 0; });
+    test::VirtualLine line(board, clock);  // whose time goes on while others have theirs open
+    link::BackgroundPlayer player([&] { return std::make_unique<test::VirtualLine>(board, clock, 0s); }, 20s, clock);
+    const auto soon = [&](const std::function<bool()>& condition) {
+        for (const auto end = clock.now() + 60s; clock.now() < end; clock.rest(1ms))
+            if (condition()) return true;
+        return false;
+    };
     const Focus focus{{0.01, 0.0, 0.15}, 1.0};
     Path still;
     still.steps = {{.foci = {focus}, .periods = 1}};
@@ -43,8 +40,10 @@ TEST_CASE("what plays in the background falls silent when it must", "[reference]
                           Method::gauss_newton, {}, ImageKind::foci)
                       .bundle);
     const auto heard_within = [&](std::chrono::milliseconds time) {
+        line.catch_up();
         const std::uint64_t before = pulses;
-        std::this_thread::sleep_for(time);
+        clock.rest(time);
+        line.catch_up();
         return pulses != before;
     };
     const auto falls_silent = [&] { return soon([&] { return !heard_within(200ms); }) && player.work().busy; };
@@ -70,7 +69,7 @@ TEST_CASE("what plays in the background falls silent when it must", "[reference]
         begin({.stale_ms = 0});
         player.set_focus(focus);
         CHECK(is_heard());
-        std::this_thread::sleep_for(1s);
+        clock.rest(10min);
         CHECK(is_heard());  // without a limit it stays
         CHECK_THROWS_AS(player.set_focus({{5.0, 0.0, 0.15}, 1.0}), Error);
         CHECK(falls_silent());

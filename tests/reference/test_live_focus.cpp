@@ -39,7 +39,7 @@ std::vector<double> times_to_pulse_s(const std::string& configuration, std::uint
         last = edge.clock;
         if (edge.rises && asked != 0) found.push_back(static_cast<double>(edge.clock - asked) / clock_hz), asked = 0;
     });
-    link::FocusMailbox mailbox;
+    link::FocusMailbox mailbox(client.clock());
     unsigned random = 1;
     play_live_focus(client, {}, mailbox, [&](const link::LiveFocusPlaying&) {
         board.run(static_cast<std::uint64_t>(20e-6 * clock_hz));  // the host's own work between two frames

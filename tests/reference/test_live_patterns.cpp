@@ -79,15 +79,6 @@ struct Bench {
                 ++wrong;
         });
     }
-    [[nodiscard]] link::HostClock clock() {
-        const double hz = board.parameters().clock_hz;
-        return {[this, hz] { return static_cast<double>(board.now()) / hz; },
-                [this, hz](double until_s) {
-                    const double clocks = until_s * hz - static_cast<double>(board.now());
-                    if (clocks > 0) board.run(static_cast<std::uint64_t>(clocks));
-                }};
-    }
-
 private:
     std::uint64_t begun_ = 0;
     std::vector<long> rises_;
@@ -106,7 +97,7 @@ TEST_CASE("a host's patterns play each in its own carrier period", "[reference]"
         if (filled >= wanted) return {};
         return filled += patterns.size() / channels, fill(period, patterns);
     };
-    const link::PlayedPatterns played = play_patterns(client, {.clock = bench.clock()}, source);
+    const link::PlayedPatterns played = play_patterns(client, {}, source);
     CHECK_FALSE(client.status().enabled);
     CHECK(played.sent >= wanted);
     std::uint64_t whole = 0;
@@ -127,7 +118,7 @@ TEST_CASE("the least slots still play, and fewer are refused", "[reference]") {
         if (filled >= 500) return {};
         return filled += patterns.size() / channels, fill(period, patterns);
     };
-    const link::PlayedPatterns played = play_patterns(client, {.slots = 16, .clock = bench.clock()}, source);
+    const link::PlayedPatterns played = play_patterns(client, {.slots = 16}, source);
     CHECK(played.sent >= 500);
     std::uint64_t whole = 0;
     for (const auto& [period, pulses] : bench.right) whole += pulses == channels ? 1 : 0;

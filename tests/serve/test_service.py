@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The service for other programs, as programs in other languages meet it: a WebSocket and OSC datagrams."""
 import asyncio
+import contextlib
 import json
 import os
 import random
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 import websockets
+from patience import also_in_time, until
 from websockets.exceptions import InvalidStatusCode
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -74,7 +76,7 @@ class Service:
         for client in self.clients:
             client.close()
         self.process.terminate()
-        assert self.process.wait(timeout=10) == 0
+        assert self.process.wait(timeout=300) == 0
 
 
 class Client:
@@ -83,7 +85,7 @@ class Client:
 
     def ask(self, do, **more):
         self.socket.send(json.dumps({"do": do, **more}))
-        return json.loads(self.socket.recv(timeout=20))
+        return json.loads(self.socket.recv(timeout=300))
 
     def ok(self, do, **more):
         said = self.ask(do, **more)
@@ -95,11 +97,11 @@ class Client:
         assert error["code"] == code and word in error["message"], error
 
     def until(self, **wanted):
-        end = time.monotonic() + 5
-        while any((said := self.ok("status"))[key] != value for key, value in wanted.items()):
-            assert time.monotonic() < end, said
-            time.sleep(0.05)
-        return said
+        def is_so():
+            said = self.ok("status")
+            return said if all(said[key] == value for key, value in wanted.items()) else None
+
+        return until(is_so, f"{wanted}", every=0.05)
 
     def close(self):
         self.socket.close()
@@ -125,8 +127,7 @@ def test_a_sequence_and_a_live_focus(service):
     said = client.until(enabled=True, busy=True)
     client.ok("focus", at_m=[0.0, 0.01, 0.15], amplitude=0.5)
     client.ok("intensity", factor=0.5)
-    time.sleep(0.2)
-    assert client.ok("status")["foci_sent"] > said["foci_sent"]
+    until(lambda: client.ok("status")["foci_sent"] > said["foci_sent"], "more foci", every=0.05)
     client.ok("stop")
     client.until(enabled=False, busy=False)
 
@@ -154,9 +155,9 @@ def test_what_is_wrong_is_said(service):
     client.fails("bad_argument", "shipped", "compile", project=PROJECT.replace("tile-10x10", "/etc/passwd"))
     for wrong in ("", "[]", "{", '{"do": 3}', "\u0000", "9" * 10000):
         client.socket.send(wrong)
-        assert "error" in json.loads(client.socket.recv(timeout=5))
+        assert "error" in json.loads(client.socket.recv(timeout=300))
     client.socket.send(b"\x00" * 31)
-    assert "32" in json.loads(client.socket.recv(timeout=5))["error"]["message"]
+    assert "32" in json.loads(client.socket.recv(timeout=300))["error"]["message"]
 
 
 def test_the_page_of_messages_is_what_is_taken(service):
@@ -176,7 +177,7 @@ def test_the_page_of_messages_is_what_is_taken(service):
 
 def test_a_port_that_is_taken_is_named(service):
     taken = service.address.rsplit(":", 1)[1]
-    done = subprocess.run([PROGRAM, "serve", "--port", "reference:tile-100-wide", "--listen", taken], capture_output=True, text=True, timeout=20)
+    done = subprocess.run([PROGRAM, "serve", "--port", "reference:tile-100-wide", "--listen", taken], capture_output=True, text=True, timeout=300)
     assert done.returncode == 2 and taken in done.stderr and "take another" in done.stderr
 
 
@@ -199,33 +200,44 @@ def test_one_drives_and_everybody_may_stop_it(service):
     second.until(enabled=False, owned=False)
 
 
+@contextlib.contextmanager
 def driven_by_osc(service):
-    """Somebody who watches, and the state once a focus plays that came by OSC."""
+    """Somebody who watches, and the state once a focus plays that came by OSC, whose sender is alive meanwhile."""
     client = service.client()
     client.ok("compile", project=PROJECT)
     client.ok("leave")
-    service.osc("/haptogram/focus", 0.0, 0.0, 0.15)
-    service.osc("/haptogram/live")
-    return client, client.until(enabled=True, busy=True)
+    over = threading.Event()
+
+    def say_so():
+        while not over.wait(0.1):
+            service.osc("/haptogram/alive")
+
+    sender = threading.Thread(target=say_so)
+    sender.start()
+    try:
+        service.osc("/haptogram/focus", 0.0, 0.0, 0.15)
+        service.osc("/haptogram/live")
+        yield client, client.until(enabled=True, busy=True)
+    finally:
+        over.set()
+        sender.join()
 
 
 def test_osc(service):
-    client, before = driven_by_osc(service)
-    service.osc("/haptogram/focus", 0.01, 0.0, 0.15, 0.5)
-    client.fails("device", "another client", "live")
-    service.osc("/haptogram/stop")
-    client.until(enabled=False)
+    with driven_by_osc(service) as (client, before):
+        service.osc("/haptogram/focus", 0.01, 0.0, 0.15, 0.5)
+        client.fails("device", "another client", "live")
+        service.osc("/haptogram/stop")
+        client.until(enabled=False)
     client.until(owned=False)  # whose turn it was lapses
     client.ok("live")
     assert client.until(enabled=True)["connected"] and before["connected"]
 
 
 def test_the_outputs_go_off_when_an_osc_sender_goes(service):
-    client, _ = driven_by_osc(service)
-    for _ in range(20):  # twice as long as it may be silent
-        service.osc("/haptogram/alive")
-        time.sleep(0.1)
-    assert client.ok("status")["enabled"]
+    with driven_by_osc(service) as (client, _):
+        time.sleep(2)  # twice as long as it may be silent
+        assert client.ok("status")["enabled"]
     client.until(enabled=False, busy=False, owned=False)
     client.ok("live")
     client.until(enabled=True)
@@ -265,12 +277,13 @@ def test_pages_of_a_site_that_was_named_are_let_in():
 
 def test_another_name_is_no_name_of_ours(service):
     port = int(service.address.rsplit(":", 1)[1])
-    with socket.create_connection(("127.0.0.1", port), timeout=5) as s:
+    with socket.create_connection(("127.0.0.1", port), timeout=300) as s:
         s.sendall(f"GET / HTTP/1.1\r\nHost: evil.example:{port}\r\nAuthorization: Bearer {service.token}\r\n\r\n".encode())
         assert s.recv(100).startswith(b"HTTP/1.1 421")
 
 
-def test_half_open_strangers_do_not_keep_a_stop_away(service):
+@also_in_time
+def test_half_open_strangers_do_not_keep_a_stop_away(service, figure, in_time):
     client = service.client()
     client.ok("compile", project=PROJECT)
     client.ok("live")
@@ -278,27 +291,30 @@ def test_half_open_strangers_do_not_keep_a_stop_away(service):
     strangers = [socket.create_connection(("127.0.0.1", port)) for _ in range(40)]
     begin = time.monotonic()
     client.ok("shut_off")
-    assert time.monotonic() - begin < 0.5
+    if in_time:
+        figure("serve: a stop beside forty half-open strangers", time.monotonic() - begin, 0.2)
     begin = time.monotonic()
     assert service.client().ok("shut_off")  # and who comes after them is let in
-    assert time.monotonic() - begin < 2
+    if in_time:
+        figure("serve: who comes after them is let in", time.monotonic() - begin, 0.7)
     for s in strangers:
         s.close()
-    silent = socket.create_connection(("127.0.0.1", port), timeout=15)
+    silent = socket.create_connection(("127.0.0.1", port), timeout=300)
     assert silent.recv(1) == b"", "a stranger who says nothing is not waited for"
 
 
 def test_too_many_requests_are_refused_but_a_stop_is_not(service):
     client = service.client()
-    for _ in range(1000):
-        client.socket.send('{"do": "status"}')
-    answers = [json.loads(client.socket.recv(timeout=10)) for _ in range(1000)]
-    assert 200 <= sum("ok" in answer for answer in answers) < 1000
+
+    def answers(count, request):
+        for _ in range(count):
+            client.socket.send(request)
+        return [json.loads(client.socket.recv(timeout=300)) for _ in range(count)]
+
+    assert sum("ok" in answer for answer in answers(1000, '{"do": "status"}')) >= 200
     for verb in ("shut_off", "stop", "leave"):
-        for _ in range(300):
-            client.socket.send('{"do": "status", "id": "shut_off"}')
-        answers = [json.loads(client.socket.recv(timeout=10)) for _ in range(300)]
-        assert any("error" in answer for answer in answers), "its name alone is no stop"
+        # Until there are too many of them, which takes a busy machine more; its name alone is no stop.
+        until(lambda: any("error" in answer for answer in answers(300, '{"do": "status", "id": "shut_off"}')), "a refusal")
         assert client.ok(verb)
 
 
@@ -318,7 +334,7 @@ def test_random_datagrams_and_messages_do_no_harm(service):
             client = service.client()
         if rng.random() < 0.9:
             client.socket.send("".join(rng.choice(words) for _ in range(rng.randrange(12))))
-            client.socket.recv(timeout=10)
+            client.socket.recv(timeout=300)
         else:
             client.socket.send(rng.randbytes(rng.randrange(31)))
     client.close()
@@ -358,15 +374,14 @@ def test_four_clients_at_once(service):
 def test_its_end_turns_the_outputs_off(tmp_path):
     board = subprocess.Popen([PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"], cwd=tmp_path,
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while not (tmp_path / "board").exists():
-        time.sleep(0.05)
+    until(lambda: (tmp_path / "board").exists(), "the board's name")
     served = subprocess.Popen([PROGRAM, "serve", "--port", "board", "--no-token", "--json"], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     client = Client(connect(json.loads(served.stdout.readline())["address"]))
     client.ok("compile", project=PROJECT)
     client.ok("live")
     client.until(enabled=True)
     served.terminate()
-    assert served.wait(timeout=10) == 0
+    assert served.wait(timeout=300) == 0
     said = json.loads(subprocess.run([PROGRAM, "device", "status", "--port", "board", "--json"], cwd=tmp_path, capture_output=True, check=True).stdout)
     assert said["outputs"] == "off" and said["watchdog_trips"] == 0
     board.terminate()

@@ -1,21 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests share: the program as a process, and plans in an empty folder."""
-import os
-import pathlib
+"""What the tests share: sweeps in an empty folder."""
 import subprocess
-import sys
 
 import pytest
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-NATIVE = os.environ.get("PYTHONPATH") or str(ROOT / "build/release/python/native")
-# For the program, and for workers that a test starts itself.
-os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT / "python"), *(os.path.abspath(part) for part in NATIVE.split(os.pathsep))])
-sys.path[:0] = os.environ["PYTHONPATH"].split(os.pathsep)
+from sweeping import PYTHONPATH, command
 
 
-def command(*arguments):
-    return [sys.executable, "-m", "haptogram_sweep", *map(str, arguments)]
+@pytest.fixture(autouse=True)
+def packages(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", PYTHONPATH)
 
 
 @pytest.fixture
@@ -23,7 +16,7 @@ def sweep(tmp_path):
     """Runs haptogram-sweep in an empty folder."""
 
     def run(*arguments, expected=0):
-        done = subprocess.run(command(*arguments), cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+        done = subprocess.run(command(*arguments), cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == expected, done.stdout + done.stderr
         return done
 

@@ -47,7 +47,7 @@ public:
         if (cut) bytes.clear();
         return bytes;
     }
-    [[nodiscard]] std::chrono::nanoseconds now() const override { return line_.now(); }
+    [[nodiscard]] haptogram::link::Clock& clock() override { return line_.clock(); }
     [[nodiscard]] std::chrono::microseconds patience() const override { return line_.patience(); }
 
     bool cut = false;

@@ -21,7 +21,7 @@ public:
     std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
         return spoil(line_.read(patience), to_host_);
     }
-    [[nodiscard]] std::chrono::nanoseconds now() const override { return line_.now(); }
+    [[nodiscard]] haptogram::link::Clock& clock() override { return line_.clock(); }
     [[nodiscard]] std::chrono::microseconds patience() const override { return line_.patience(); }
     [[nodiscard]] std::uint64_t carried() const { return carried_; }
     [[nodiscard]] std::uint64_t spoilt() const { return spoilt_; }
@@ -72,7 +72,7 @@ public:
         take(bytes.size());
         return bytes;
     }
-    [[nodiscard]] std::chrono::nanoseconds now() const override { return line_.now(); }
+    [[nodiscard]] haptogram::link::Clock& clock() override { return line_.clock(); }
     [[nodiscard]] std::chrono::microseconds patience() const override { return line_.patience(); }
 
 private:

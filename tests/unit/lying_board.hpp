@@ -8,7 +8,6 @@
 #include <deque>
 #include <functional>
 #include <random>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -71,7 +70,6 @@ public:
     std::function<nanoseconds()> late = [] { return nanoseconds(0); };  ///< each way
     std::function<Bytes()> babbles{};  ///< bytes of somebody else, whenever nothing else is there
     std::function<void(const Heard&)> on_frame{};
-    bool real_time = false;
     std::chrono::microseconds its_patience = std::chrono::milliseconds(300);
     std::uint16_t mode = 1, present = 1, role = 0;
     bool timed = false;
@@ -99,7 +97,6 @@ public:
         run(time);
     }
     std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
-        if (real_time) std::this_thread::sleep_for(patience);
         const nanoseconds until = time + patience;
         for (;;) {
             nanoseconds next = until;
@@ -123,7 +120,7 @@ public:
         ++breaks;
         enabled = false;
     }
-    [[nodiscard]] nanoseconds now() const override { return real_time ? Transport::now() : time; }
+    [[nodiscard]] link::Clock& clock() override { return clock_; }
     [[nodiscard]] std::chrono::microseconds patience() const override { return its_patience; }
     /// Time in which the host does something else.
     void pass(nanoseconds how_long) { run(time + how_long); }
@@ -132,6 +129,16 @@ public:
     }
 
 private:
+    class Its final : public link::Clock {
+    public:
+        explicit Its(LyingBoard& board) : board_(board) {}
+        [[nodiscard]] Time now() const override { return board_.time; }
+        void rest_until(Time until) override { board_.run(std::max(until, board_.time)); }
+
+    private:
+        LyingBoard& board_;
+    };
+
     void run(nanoseconds until) {
         while (!in_.empty() && in_.front().first <= until) {
             time = std::max(time, in_.front().first);
@@ -197,6 +204,7 @@ private:
         return data;
     }
 
+    Its clock_{*this};
     Bytes frame_;
     std::deque<std::pair<nanoseconds, Bytes>> in_, out_;
     nanoseconds last_in_{0}, last_out_{0}, alive_{0};

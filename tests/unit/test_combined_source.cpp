@@ -56,7 +56,7 @@ template <class... Parts>
 live::CombinedSource combined(Parts&&... parts) {
     std::vector<live::CombinedSource::Part> list;
     (list.push_back(std::move(parts)), ...);
-    return live::CombinedSource(std::move(list));
+    return live::CombinedSource(std::move(list), link::machine_clock());
 }
 
 }  // namespace
@@ -140,11 +140,15 @@ TEST_CASE("several sources: each frame has new places of all, whose times are th
 }
 
 TEST_CASE("several sources: as they happen, by one clock, and no recordings among them", "[live]") {
-    double now_s = 5.0;
+    struct Ticking final : link::Clock {
+        mutable Time time = std::chrono::seconds(5);
+        [[nodiscard]] Time now() const override { return time += std::chrono::milliseconds(10); }
+        void rest_until(Time until) override { time = until; }
+    } clock;
     std::vector<live::CombinedSource::Part> parts;
     parts.push_back(part({hands_frame(0, 900.0, {}), hands_frame(1, 900.1, {})}, 0, true));
     parts.push_back(part({hands_frame(0, 3.0, {})}, 0, true));
-    live::CombinedSource all(std::move(parts), [&] { return now_s += 0.01; });
+    live::CombinedSource all(std::move(parts), clock);
     std::vector<double> times;
     while (const auto frame = all.next()) times.push_back(frame->time_s);
     REQUIRE(times.size() == 2);

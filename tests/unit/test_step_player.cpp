@@ -3,10 +3,10 @@
 // go off.
 #include <catch2/catch.hpp>
 #include <map>
-#include <thread>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/step_player.hpp"
+#include "../virtual_clock.hpp"
 #include "message_of.hpp"
 #include "timed_line.hpp"
 
@@ -46,8 +46,9 @@ struct Carried {
 /// A line that remembers what it carried. It may be one that is never waited for.
 class Watched final : public link::Transport {
 public:
-    Watched(FakeDevice& device, const TimedLine::Settings& settings, Carried& carried, bool waits)
-        : line_(device, settings), carried_(carried), waits_(waits) {}
+    Watched(FakeDevice& device, const TimedLine::Settings& settings, Clock& clock, Carried& carried, bool waits)
+        : line_(device, settings, clock), carried_(carried), waits_(waits) {}
+    [[nodiscard]] Clock& clock() override { return line_.clock(); }
     void write(std::span<const std::uint8_t> bytes) override {
         carried_.take(bytes);
         line_.write(bytes);
@@ -78,21 +79,19 @@ std::shared_ptr<const Image> image(std::uint16_t number, std::uint16_t records =
 /// A player with its device, which is stepped until something is so.
 struct Bench {
     explicit Bench(const TimedLine::Settings& settings = {})
-        : player(std::make_unique<Watched>(device, settings, carried, false),
+        : player(std::make_unique<Watched>(device, settings, clock, carried, false),
                  {.told = [this](const link::DeviceState& state) { states.push_back(state); },
                   .work = [this](const link::StepWork& one) { works.push_back(one); }}) {}
 
     template <class IsSo>
     void step_until(IsSo is_so, std::chrono::milliseconds at_most = 20s) {
-        const auto begun = Clock::now();
-        for (auto last = begun; !is_so();) {
-            std::this_thread::sleep_for(1ms);
-            const auto now = Clock::now();
-            REQUIRE(now - begun < at_most);
-            const auto before = Clock::now();
-            player.step(std::chrono::duration_cast<std::chrono::microseconds>(now - last));
-            longest = std::max(longest, Clock::now() - before);
-            last = now;
+        for (const Clock::Time end = clock.now() + at_most; !is_so();) {
+            constexpr std::chrono::milliseconds each{1};
+            clock.rest(each);
+            REQUIRE(clock.now() < end);
+            const Clock::Time before = clock.now();
+            player.step(each);
+            longest = std::max(longest, clock.now() - before);
         }
     }
     void connect() {
@@ -102,11 +101,12 @@ struct Bench {
         return std::ranges::any_of(works, [&](const auto& one) { return one.stage == stage; });
     }
 
+    VirtualClock clock;
     FakeDevice device;
     Carried carried;
     std::vector<link::DeviceState> states;
     std::vector<link::StepWork> works;
-    Clock::duration longest{};
+    Clock::Time longest{0};
     link::StepPlayer player;
 };
 
@@ -117,7 +117,7 @@ TEST_CASE("step player: an upload is request by request the waiting client's, al
     bench.connect();
     FakeDevice other;
     Carried expected;
-    link::Client client(std::make_unique<Watched>(other, TimedLine::Settings{}, expected, true));
+    link::Client client(std::make_unique<Watched>(other, TimedLine::Settings{}, bench.clock, expected, true));
     client.identify();
     const std::initializer_list<Command> of_uploads = {Command::digest, Command::write, Command::modulate};
     for (const std::uint16_t number : {std::uint16_t{10}, std::uint16_t{10}, std::uint16_t{11}}) {
@@ -132,7 +132,7 @@ TEST_CASE("step player: an upload is request by request the waiting client's, al
     }
     REQUIRE(bench.told(Stage::uploads));
     REQUIRE_FALSE(bench.device.enabled());
-    REQUIRE(bench.longest < 50ms);  // a step never waits
+    REQUIRE(bench.longest == 0ms);  // a step never waits
 }
 
 TEST_CASE("step player: a sequence plays with the outputs on until its end, and then they are off") {
@@ -175,14 +175,14 @@ TEST_CASE("step player: a record plays, becomes weaker, gives way to another, an
     REQUIRE(message_of([&] { bench.player.stream(shown, 31); }) == "index: 31 is no record of the scene");
     REQUIRE(message_of([&] { bench.player.set_intensity(1.5); }) == "intensity: found 1.5, expected 0 to 1");
     REQUIRE(message_of([&] { bench.player.modulate(*shown); }) == "board: it plays no scene; press Play");
-    const auto asked = Clock::now();
+    const auto asked = bench.clock.now();
     const std::uint64_t stop = bench.player.stop();
     bench.step_until([&] { return !bench.device.enabled(); });
-    REQUIRE(Clock::now() - asked < 50ms);
+    REQUIRE(bench.clock.now() - asked <= 2ms);
     bench.step_until([&] { return bench.player.state().confirmed == stop; });
     REQUIRE(bench.works.back().stage == Stage::stopped);
     // Nothing of before turns them on again, and what comes after it plays.
-    bench.step_until([&] { return bench.player.state().status.frames_good == 0 && Clock::now() - asked > 400ms; });
+    bench.step_until([&] { return bench.player.state().status.frames_good == 0 && bench.clock.now() - asked > 400ms; });
     REQUIRE_FALSE(bench.device.enabled());
     bench.player.play(shown);
     bench.step_until([&] { return bench.told(Stage::done); });
@@ -194,10 +194,10 @@ TEST_CASE("step player: STOP during an upload ends it, and what waits behind it"
     bench.player.play(image(40, 300));
     bench.player.play(image(41));
     bench.step_until([&] { return bench.works.size() > 5; });
-    const auto asked = Clock::now();
+    const auto asked = bench.clock.now();
     const std::uint64_t stop = bench.player.stop();
     bench.step_until([&] { return bench.player.state().confirmed == stop; });
-    REQUIRE(Clock::now() - asked < 200ms);
+    REQUIRE(bench.clock.now() - asked <= 4ms);
     REQUIRE(std::ranges::count_if(bench.works, [](const auto& one) { return one.stage == Stage::stopped; }) == 2);
     const auto taken = bench.device.log();
     REQUIRE(std::ranges::none_of(taken, [](const auto& one) { return one.command == Command::enable; }));
@@ -220,11 +220,11 @@ TEST_CASE("step player: who does not step has the watchdog turn the outputs off,
     bench.player.stream(image(60), 1);
     bench.step_until([&] { return bench.told(Stage::plays); });
     for (int i = 0; i < 12; ++i) {  // alive for longer than the watchdog's time
-        const auto until = Clock::now() + 100ms;
-        bench.step_until([&] { return Clock::now() > until; });
+        const auto until = bench.clock.now() + 100ms;
+        bench.step_until([&] { return bench.clock.now() > until; });
         REQUIRE(bench.device.enabled());
     }
-    std::this_thread::sleep_for(700ms);
+    bench.clock.rest(501ms);
     bench.step_until([&] { return bench.told(Stage::failed); });
     REQUIRE(bench.device.trips() == 1);
     REQUIRE(std::string(bench.works.back().error->what()) ==
@@ -276,17 +276,17 @@ TEST_CASE("step player: what waits for triggers starts its part at once, and end
     bench.player.play(image(50), {{1, 30, 1, false}, {5, 3, 2, false}});
     bench.step_until([&] { return bench.told(Stage::plays); });
     REQUIRE(bench.device.enabled());
-    const auto begun = Clock::now();
-    bench.step_until([&] { return Clock::now() - begun > 1s; });
+    const auto begun = bench.clock.now();
+    bench.step_until([&] { return bench.clock.now() - begun > 1s; });
     REQUIRE(bench.carried.of({Command::start}).empty());
     REQUIRE(bench.device.enabled());
-    const auto asked = Clock::now();
+    const auto asked = bench.clock.now();
     bench.player.trigger(1);
     bench.step_until([&] { return !bench.carried.of({Command::start}).empty(); });
-    REQUIRE(Clock::now() - asked < 50ms);
+    REQUIRE(bench.clock.now() - asked <= 2ms);
     REQUIRE(bench.carried.of({Command::start}).back().second == Bytes{5, 0, 3, 0, 2, 0});
     REQUIRE(message_of([&] { bench.player.trigger(2); }) == "board: nothing waits for this trigger; press Play");
-    bench.step_until([&] { return Clock::now() - asked > 1s; });
+    bench.step_until([&] { return bench.clock.now() - asked > 1s; });
     REQUIRE(bench.device.enabled());
     const std::uint64_t stop = bench.player.stop();
     bench.step_until([&] { return bench.player.state().confirmed == stop; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A serial line in real time with a board of a hundred lines at its end, for tests of threads and latencies.
+// A serial line in a given time with a board of a hundred lines at its end, for tests of threads and latencies.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -11,7 +11,6 @@
 #include <memory>
 #include <mutex>
 #include <random>
-#include <thread>
 #include <vector>
 
 #include "haptogram/link/frame.hpp"
@@ -20,7 +19,7 @@
 namespace haptogram::test {
 
 using link::Bytes;
-using Clock = std::chrono::steady_clock;
+using link::Clock;
 
 /// What a device does of which the link must take care: sessions and sequence numbers, memories and their digests,
 /// outputs and their watchdog. Its live FIFO plays everything at once.
@@ -28,12 +27,19 @@ class FakeDevice {
 public:
     struct Taken {
         interface::Command command;
-        Clock::time_point when;
+        Clock::Time when;
         bool applied;
     };
 
+    /// That tests plant, to see whether they are noticed.
+    struct Faults {
+        Clock::Time stop{0}, watchdog{0};  ///< for so long the outputs stay on that are to go off
+    };
+    FakeDevice() = default;
+    explicit FakeDevice(Faults faults) : faults_(faults) {}
+
     /// A frame whose last byte arrived `when`; damaged ones get no answer. @return the reply, COBS-encoded
-    Bytes take(std::span<const std::uint8_t> code, Clock::time_point when) {
+    Bytes take(std::span<const std::uint8_t> code, Clock::Time when) {
         const std::lock_guard lock(mutex_);
         const auto frame = link::cobs_decode(code);
         if (!frame || frame->size() < 4 || link::crc16(*frame) != 0) return {};
@@ -42,10 +48,7 @@ public:
         const std::uint8_t sequence = (*frame)[0];
         const auto command = static_cast<Command>((*frame)[1]);
         const Bytes payload(frame->begin() + 2, frame->end() - 2);
-        if (enabled_ && watchdog_ms_ > 0 && when - alive_ > std::chrono::milliseconds(watchdog_ms_)) {
-            enabled_ = false;
-            ++trips_;
-        }
+        bite(when);
         if (command == Command::identify) {
             expected_ = sequence;
             in_session_ = true;
@@ -57,9 +60,12 @@ public:
                                                                     : Status::ok;
         const bool acts_at_once = command == Command::disable || command == Command::stop;
         const bool applied = status == Status::ok;
-        if (applied || acts_at_once) apply(command, payload);
+        if (applied || acts_at_once) apply(command, payload, when);
         if (applied) ++expected_;
-        if (applied && command != Command::identify) alive_ = when;
+        if (applied && command != Command::identify) {
+            if (enabled_) longest_silence_ = std::max(longest_silence_, when - alive_);
+            alive_ = when;
+        }
         log_.push_back({command, when, applied || acts_at_once});
         Bytes reply = {sequence,
                        static_cast<std::uint8_t>(static_cast<unsigned>(command) | 0x80U),
@@ -87,6 +93,21 @@ public:
         const std::lock_guard lock(mutex_);
         return enabled_;
     }
+    /// When the outputs went off last, as seen now.
+    [[nodiscard]] Clock::Time off_at(Clock::Time now) {
+        const std::lock_guard lock(mutex_);
+        bite(now);
+        return off_at_;
+    }
+    /// When something new was heard last, and the longest time without, while outputs were on.
+    [[nodiscard]] Clock::Time heard_at() const {
+        const std::lock_guard lock(mutex_);
+        return alive_;
+    }
+    [[nodiscard]] Clock::Time longest_silence() const {
+        const std::lock_guard lock(mutex_);
+        return longest_silence_;
+    }
     [[nodiscard]] unsigned trips() const {
         const std::lock_guard lock(mutex_);
         return trips_;
@@ -107,9 +128,16 @@ private:
     static bool refuses(interface::Command command, const Bytes& payload) {
         return command == interface::Command::select && (payload[0] | payload[1] << 8) > 400;
     }
-    void apply(interface::Command command, const Bytes& payload) {
+    void bite(Clock::Time now) {
+        const Clock::Time bites = alive_ + std::chrono::milliseconds(watchdog_ms_) + faults_.watchdog;
+        if (!enabled_ || watchdog_ms_ == 0 || now <= bites) return;
+        enabled_ = false;
+        off_at_ = bites;
+        ++trips_;
+    }
+    void apply(interface::Command command, const Bytes& payload, Clock::Time when) {
         if (command == interface::Command::enable) enabled_ = true;
-        if (command == interface::Command::disable) enabled_ = false;
+        if (command == interface::Command::disable && std::exchange(enabled_, false)) off_at_ = when + faults_.stop;
         if (command == interface::Command::watchdog)
             watchdog_ms_ = static_cast<std::uint16_t>(payload[0] | payload[1] << 8);
         if (command == interface::Command::write)
@@ -152,7 +180,8 @@ private:
     mutable std::mutex mutex_;
     std::map<std::uint32_t, std::uint8_t> memory_;
     std::vector<Taken> log_;
-    Clock::time_point alive_{};
+    Faults faults_;
+    Clock::Time alive_{}, off_at_{}, longest_silence_{};
     unsigned trips_ = 0;
     std::uint16_t watchdog_ms_ = 500;
     std::uint8_t expected_ = 0;
@@ -171,49 +200,54 @@ public:
         std::shared_ptr<std::atomic<bool>> cut{};  ///< the cable is pulled while it is true
     };
 
-    TimedLine(FakeDevice& device, const Settings& settings) : device_(device), settings_(settings) {}
+    TimedLine(FakeDevice& device, const Settings& settings, Clock& clock)
+        : device_(device), settings_(settings), clock_(clock) {}
+
+    [[nodiscard]] Clock& clock() override { return clock_; }
 
     void write(std::span<const std::uint8_t> bytes) override {
         require_cable();
         for (const std::uint8_t byte : bytes) {
             while (out_.size() > settings_.system) {
-                std::this_thread::sleep_for(std::chrono::microseconds(200));
+                clock_.rest_until(out_.front().when);
                 run();
             }
-            free_ = std::max(free_, Clock::now()) + byte_time();
+            free_ = std::max(free_, clock_.now()) + byte_time();
             out_.push_back({byte, free_});
         }
     }
 
     std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
-        const auto deadline = Clock::now() + patience;
+        const auto deadline = clock_.now() + patience;
         for (;;) {
             require_cable();
             run();
             Bytes arrived;
-            while (!in_.empty() && in_.front().when <= Clock::now()) {
+            while (!in_.empty() && in_.front().when <= clock_.now()) {
                 arrived.push_back(in_.front().byte);
                 in_.pop_front();
             }
-            if (!arrived.empty() || Clock::now() >= deadline) return arrived;
-            std::this_thread::sleep_for(std::chrono::microseconds(200));
+            if (!arrived.empty() || clock_.now() >= deadline) return arrived;
+            clock_.rest_until(std::min({deadline, end_of_frame(in_), end_of_frame(out_)}));
         }
     }
 
     void discard_output() override {
         run();
         if (out_.size() > settings_.chip) out_.resize(settings_.chip);
-        free_ = out_.empty() ? Clock::now() : out_.back().when;
+        free_ = out_.empty() ? clock_.now() : out_.back().when;
     }
 
 private:
     struct Byte {
         std::uint8_t byte = 0;
-        Clock::time_point when{};
+        Clock::Time when{};
     };
 
-    [[nodiscard]] Clock::duration byte_time() const {
-        return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(10.0 / settings_.baud));
+    [[nodiscard]] Clock::Time byte_time() const { return Clock::time(10.0 / settings_.baud); }
+    static Clock::Time end_of_frame(const std::deque<Byte>& bytes) {
+        const auto end = std::ranges::find(bytes, 0, &Byte::byte);
+        return end != bytes.end() ? end->when : bytes.empty() ? Clock::Time::max() : bytes.back().when;
     }
     bool lost() { return settings_.lose_one_in != 0 && g_() % settings_.lose_one_in == 0; }
     void require_cable() const {
@@ -221,7 +255,7 @@ private:
     }
 
     void run() {
-        while (!out_.empty() && out_.front().when <= Clock::now()) {
+        while (!out_.empty() && out_.front().when <= clock_.now()) {
             const Byte next = out_.front();
             out_.pop_front();
             if (lost()) continue;
@@ -229,7 +263,7 @@ private:
                 frame_.push_back(next.byte);
                 continue;
             }
-            Clock::time_point when = std::max(next.when, in_.empty() ? next.when : in_.back().when);
+            Clock::Time when = std::max(next.when, in_.empty() ? next.when : in_.back().when);
             for (const std::uint8_t byte : device_.take(frame_, next.when)) {
                 when += byte_time();
                 if (!lost()) in_.push_back({byte, when});
@@ -240,9 +274,10 @@ private:
 
     FakeDevice& device_;
     Settings settings_;
+    Clock& clock_;
     std::mt19937 g_{7};
     std::deque<Byte> out_, in_;
-    Clock::time_point free_{};  // when the line has sent what was written
+    Clock::Time free_{};  // when the line has sent what was written
     Bytes frame_;
 };
 

@@ -27,8 +27,11 @@ std::chrono::milliseconds most_age(const BackgroundPlay& how) {
 
 }  // namespace
 
-BackgroundPlayer::BackgroundPlayer(std::function<std::unique_ptr<Transport>()> open, std::chrono::milliseconds patience)
-    : device_({.open = std::move(open)}), patterns_(device_.channel(patience)->identity().channels) {}
+BackgroundPlayer::BackgroundPlayer(std::function<std::unique_ptr<Transport>()> open, std::chrono::milliseconds patience,
+                                   Clock& clock)
+    : clock_(clock),
+      device_({.open = std::move(open), .clock = clock}),
+      patterns_(device_.channel(patience)->identity().channels, clock) {}
 
 BackgroundPlayer::~BackgroundPlayer() {
     device_.end();
@@ -37,7 +40,7 @@ BackgroundPlayer::~BackgroundPlayer() {
 
 BackgroundWork BackgroundPlayer::work() const {
     const bool busy = thread_.busy();
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(work_mutex_);
     BackgroundWork work = work_;
     work.busy = busy;
     work.trouble = thread_.trouble();
@@ -89,7 +92,7 @@ void BackgroundPlayer::modulate_as_uploaded(Commands& device) {
 void BackgroundPlayer::begin(std::function<void(Commands&)> work) {
     thread_.begin([&] {
         const std::shared_ptr<Commands> device = device_.channel();
-        const std::lock_guard lock(mutex_);
+        const std::lock_guard lock(work_mutex_);
         work_ = {};
         return [this, device, work = std::move(work)] {
             modulate_as_uploaded(*device);
@@ -144,15 +147,15 @@ void BackgroundPlayer::play_patterns(const BackgroundPlay& how) {
 void BackgroundPlayer::begin_live(const BackgroundPlay& how, double carrier_hz,
                                   const std::function<void(Commands&, const Told&)>& work) {
     begin([this, how, carrier_hz, work](Commands& device) {
-        const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(how.seconds);
+        const double until_s = clock_.now_s() + how.seconds;
         const std::shared_ptr<void> silent_then(this, [this](void*) { clear(); });
         std::shared_ptr<void> waveform;
         if (!how.am.empty())
             waveform = modulated(device, modulation_of({.waveform = how.am, .carrier_hz = carrier_hz}, device));
         work(device, [&](const BackgroundWork& now) {
-            const std::lock_guard lock(mutex_);
+            const std::lock_guard lock(work_mutex_);
             work_ = now;
-            return !thread_.ending() && (how.seconds == 0.0 || std::chrono::steady_clock::now() < until);
+            return !thread_.ending() && (how.seconds == 0.0 || clock_.now_s() < until_s);
         });
     });
 }
@@ -171,9 +174,8 @@ bool BackgroundPlayer::wait(std::chrono::milliseconds patience) {
 
 /// Until the board's own status says what it has confirmed: the next one is soon to come.
 void BackgroundPlayer::settle() {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
-    while (device_.state().status.enabled && std::chrono::steady_clock::now() < end)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const Clock::Time end = clock_.now() + std::chrono::milliseconds(500);
+    while (device_.state().status.enabled && clock_.now() < end) clock_.rest(std::chrono::milliseconds(1));
 }
 
 void BackgroundPlayer::stop() {

@@ -43,13 +43,16 @@ struct BackgroundWork {
 class BackgroundPlayer {
 public:
     /// @param open  opens the port; called in the thread that drives the board, again after a loss
+    /// @param clock  of the line
     /// @throws Error{device} when nobody answers within the patience
-    BackgroundPlayer(std::function<std::unique_ptr<Transport>()> open, std::chrono::milliseconds patience);
+    BackgroundPlayer(std::function<std::unique_ptr<Transport>()> open, std::chrono::milliseconds patience,
+                     Clock& clock = machine_clock());
     BackgroundPlayer(const BackgroundPlayer&) = delete;
     BackgroundPlayer& operator=(const BackgroundPlayer&) = delete;
     /// Turns the outputs off, waiting some two seconds at most.
     ~BackgroundPlayer();
 
+    [[nodiscard]] const Clock& clock() const { return clock_; }
     [[nodiscard]] DeviceState state() const { return device_.state(); }
     [[nodiscard]] BackgroundWork work() const;
 
@@ -84,7 +87,8 @@ private:
     void modulate_as_uploaded(Commands& device);
     void settle();
 
-    FocusMailbox mailbox_;
+    Clock& clock_;
+    FocusMailbox mailbox_{clock_};
     DeviceThread device_;
     PatternQueue patterns_;
     mutable std::mutex mutex_;
@@ -92,8 +96,9 @@ private:
     std::optional<SampledModulation> uploaded_modulation_;
     bool all_amplitudes_ = false;    // of its records, every one
     bool other_modulation_ = false;  // a waveform is in the board, in the place of what was uploaded
+    mutable std::mutex work_mutex_;  // never held while the board is waited for, as the other one is
     BackgroundWork work_;
-    BackgroundThread thread_;
+    BackgroundThread thread_{clock_};
 };
 
 }  // namespace haptogram::link

@@ -48,7 +48,7 @@ private:
     std::vector<Identity> identities_;
     mutable std::mutex mutex_;
     std::vector<std::optional<Status>> statuses_;
-    BackgroundThread thread_;
+    BackgroundThread thread_{machine_clock()};
 };
 
 }  // namespace haptogram::link

@@ -10,13 +10,13 @@ namespace haptogram::link {
 void BackgroundThread::begin(const std::function<std::function<void()>()>& prepare) {
     const std::lock_guard one(beginning_);
     if (busy()) throw bad_argument("play", "something plays already; stop it first");
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable()) clock_.join(thread_);
     std::function<void()> work = prepare();
     if (ending()) throw Error(ErrorCode::cancelled, "play", "it was stopped before it had begun");
     const std::lock_guard lock(mutex_);
     busy_ = true;
     trouble_ = nullptr;
-    thread_ = std::thread([this, work = std::move(work)]() mutable {
+    thread_ = clock_.begin([this, work = std::move(work)]() mutable {
         std::exception_ptr trouble;
         try {
             work();
@@ -38,7 +38,7 @@ bool BackgroundThread::busy() const {
 
 bool BackgroundThread::wait(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
-    if (!ended_.wait_for(lock, patience, [&] { return !busy_; })) return true;
+    if (!clock_.wait_for(lock, ended_, patience, [&] { return !busy_; })) return true;
     if (const auto trouble = std::exchange(trouble_, nullptr)) std::rethrow_exception(trouble);
     return false;
 }
@@ -46,7 +46,7 @@ bool BackgroundThread::wait(std::chrono::milliseconds patience) {
 void BackgroundThread::end() {
     ++enders_;
     const std::lock_guard one(beginning_);
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable()) clock_.join(thread_);
     --enders_;
 }
 

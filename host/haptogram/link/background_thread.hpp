@@ -9,12 +9,15 @@
 #include <string>
 #include <thread>
 
+#include "haptogram/link/clock.hpp"
+
 namespace haptogram::link {
 
 /// One piece of work at a time, in a thread of its own.
 class BackgroundThread {
 public:
-    BackgroundThread() = default;
+    /// @param clock  of the work
+    explicit BackgroundThread(Clock& clock) : clock_(clock) {}
     BackgroundThread(const BackgroundThread&) = delete;
     BackgroundThread& operator=(const BackgroundThread&) = delete;
     ~BackgroundThread() { end(); }
@@ -36,6 +39,7 @@ public:
     [[nodiscard]] std::string trouble() const;
 
 private:
+    Clock& clock_;
     mutable std::mutex mutex_;
     std::condition_variable ended_;
     std::mutex beginning_;  // one caller at a time begins or joins

@@ -86,8 +86,8 @@ public:
     void set_interrupt(const Interrupt& interrupt) override {
         chain_->with_port([&](Transport& port) { port.set_interrupt(interrupt); });
     }
-    [[nodiscard]] std::chrono::nanoseconds now() const override {
-        return chain_->with_port([](Transport& port) { return port.now(); });
+    [[nodiscard]] Clock& clock() override {
+        return *chain_->with_port([](Transport& port) { return &port.clock(); });
     }
     [[nodiscard]] std::chrono::microseconds patience() const override { return patience_; }
 

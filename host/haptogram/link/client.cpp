@@ -59,7 +59,7 @@ void Client::tell(Request request) {
     make_ready();
     heed_interrupt();
     transport_.write(encode_request(session_, request.command, request.payload));
-    said_ = transport_.now();
+    said_ = clock().now();
 }
 
 void Client::wait(std::size_t most_unanswered) {
@@ -68,14 +68,14 @@ void Client::wait(std::size_t most_unanswered) {
 
 /// Waits for bytes. @return how long it did, in the line's own time, which need not be the machine's
 std::chrono::microseconds Client::hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived) {
-    const auto begun = transport_.now();
+    const auto begun = clock().now();
     const Bytes bytes = transport_.read(at_most);
     const std::size_t before = arrived.size();
     decoder_.feed(bytes, arrived);
     answers_ += arrived.size() - before;
     heard_ += bytes.size();
     if (bytes.empty()) return at_most;
-    return std::min(at_most, std::chrono::duration_cast<std::chrono::microseconds>(transport_.now() - begun));
+    return std::min(at_most, std::chrono::duration_cast<std::chrono::microseconds>(clock().now() - begun));
 }
 
 void Client::exchange(std::chrono::microseconds at_most) {
@@ -115,7 +115,7 @@ void Client::transmit() {
         if (sent_ < farthest_)
             ++retransmissions_;
         else
-            said_ = transport_.now();
+            said_ = clock().now();
         farthest_ = std::max(farthest_, sent_ + 1);
     }
 }
@@ -123,7 +123,7 @@ void Client::transmit() {
 /// Only what is new keeps the watchdog quiet, so a keep-alive goes out while other answers are late. Twice as often as
 /// would do: what follows a frame that was lost shows the loss, and time is left to send again.
 void Client::say_alive() {
-    if (keep_alive_pause_.count() == 0 || transport_.now() - said_ < keep_alive_pause_ / 2) return;
+    if (keep_alive_pause_.count() == 0 || clock().now() - said_ < keep_alive_pause_ / 2) return;
     if (queue_.size() >= transport_.window() || farthest_ < queue_.size()) return;  // the next to be sent is new, too
     if (!queue_.empty() && acts_at_once(queue_.back().request.command)) return;
     // A slow board must not have to answer to this alone.

@@ -68,6 +68,7 @@ public:
     [[nodiscard]] unsigned window() const { return transport_.window(); }
 
     [[nodiscard]] std::uint64_t retransmissions() const override { return retransmissions_; }
+    [[nodiscard]] Clock& clock() override { return transport_.clock(); }
     void keep_alive_every(std::chrono::milliseconds pause) override { keep_alive_pause_ = pause; }
     /// In place of the transport's patience and the policy's limit.
     void set_patience(std::chrono::microseconds patience, std::chrono::microseconds most = {}) {

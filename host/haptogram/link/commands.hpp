@@ -10,6 +10,7 @@
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/core.hpp"
+#include "haptogram/link/clock.hpp"
 #include "haptogram/link/frame.hpp"
 
 namespace haptogram::link {
@@ -207,6 +208,8 @@ public:
     virtual void drop() = 0;
     /// Frames that were sent again because the line had lost them or their answers.
     [[nodiscard]] virtual std::uint64_t retransmissions() const = 0;
+    /// The time of its line, in which whoever works with it waits.
+    [[nodiscard]] virtual Clock& clock() = 0;
     /// Turns the outputs off ahead of everything that is queued, whatever came before and whatever the line has lost.
     /// @return whether the device has confirmed it
     virtual bool turn_off() = 0;

@@ -2,12 +2,11 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
+#include <mutex>
+#include <thread>
 
-#include "haptogram/link/client.hpp"
-#include "haptogram/link/device_state.hpp"
-#include "haptogram/link/transport.hpp"
+#include "haptogram/link/device_steps.hpp"
 
 namespace haptogram::link {
 
@@ -24,14 +23,7 @@ namespace haptogram::link {
 /// loss their error is LinkLost, and the thread turns the outputs off as soon as it has the device back.
 class DeviceThread {
 public:
-    struct Settings {
-        /// Opens the port; called in the thread, again after a loss.
-        std::function<std::unique_ptr<Transport>()> open;
-        /// Told in the thread, without a lock held, of each status and each change; it must return soon. When it
-        /// throws, the outputs are shut off and the message becomes the state's trouble.
-        std::function<void(const DeviceState&)> told{};
-        std::chrono::milliseconds reconnect_pause{200};
-    };
+    using Settings = DeviceSettings;
 
     /// Starts the thread and returns at once.
     explicit DeviceThread(Settings settings);
@@ -58,9 +50,9 @@ public:
     [[nodiscard]] DeviceState state() const;
 
 private:
-    class Core;
-    class Channel;
-    std::shared_ptr<Core> core_;
+    std::shared_ptr<DeviceSteps> steps_;
+    std::mutex joining_;
+    std::thread thread_;
 };
 
 }  // namespace haptogram::link

@@ -3,7 +3,6 @@
 // Usage: haptogram_example PORT IMAGE.hex
 #include <chrono>
 #include <cstdio>
-#include <thread>
 
 #include "haptogram/base/file.hpp"
 #include "haptogram/link/device.hpp"
@@ -20,7 +19,7 @@ int main(int argc, char** argv) try {
     // The board's watchdog turns the outputs off 500 ms after the last request, should this program die meanwhile.
     link::while_on(board, 500, [&] {
         board.start(1, static_cast<std::uint16_t>(image.sequence.size()), 1);
-        while (!link::is_over(link::sure_status(board))) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        while (!link::is_over(link::sure_status(board))) board.clock().rest(std::chrono::milliseconds(50));
     });
     return 0;
 } catch (const haptogram::Error& error) {

@@ -231,10 +231,10 @@ void FtdiPort::send_break() {
 void FtdiPort::discard_output() { ftdi_tcoflush(port_->ftdi.get()); }
 
 std::vector<std::uint8_t> FtdiPort::read(std::chrono::microseconds patience) {
-    using Clock = std::chrono::steady_clock;
-    const auto deadline = Clock::now() + patience;
-    for (bool late = false; port_->arrived.empty() && !port_->lost && !late; late = Clock::now() >= deadline) {
-        const auto left = std::max(std::chrono::ceil<std::chrono::microseconds>(deadline - Clock::now()),
+    using Steady = std::chrono::steady_clock;
+    const auto deadline = Steady::now() + patience;
+    for (bool late = false; port_->arrived.empty() && !port_->lost && !late; late = Steady::now() >= deadline) {
+        const auto left = std::max(std::chrono::ceil<std::chrono::microseconds>(deadline - Steady::now()),
                                    std::chrono::microseconds(0));
         timeval wait{.tv_sec = left.count() / 1'000'000, .tv_usec = left.count() % 1'000'000};
         const int result = libusb_handle_events_timeout_completed(port_->ftdi->usb_ctx, &wait, nullptr);

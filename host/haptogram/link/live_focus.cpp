@@ -5,7 +5,6 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,7 +16,6 @@
 namespace haptogram::link {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_statuses{20};  // which tell whether the board has run dry
 constexpr double growth = 1.5;                             // of the lead, each time that it has
 constexpr double most_step_periods = 1024;                 // 26 ms
@@ -56,7 +54,7 @@ private:
 void FocusMailbox::put(const Focus& focus) {
     try {
         const auto words = std::bit_cast<std::uint64_t>(pack_focus(focus));
-        put_at_ = Clock::now().time_since_epoch().count();
+        put_at_ = clock_.now().count();
         words_ = words;
     } catch (const Error&) {
         clear();
@@ -66,27 +64,27 @@ void FocusMailbox::put(const Focus& focus) {
 
 std::uint64_t FocusMailbox::newest(std::chrono::milliseconds most_age) const {
     const std::uint64_t words = words_;
-    const Clock::time_point put_at{Clock::duration(put_at_)};
-    return most_age.count() > 0 && Clock::now() - put_at > most_age ? 0 : words;
+    return most_age.count() > 0 && clock_.now() - Clock::Time(put_at_) > most_age ? 0 : words;
 }
 
 Played play_live_focus(Commands& device, const LiveFocusSettings& settings, const FocusMailbox& mailbox,
                        const std::function<bool(const LiveFocusPlaying&)>& watch) {
     const std::size_t each = make_ring(device).each;
     Pace pace(settings, device_carrier_hz(device));
+    Clock& clock = device.clock();
     const Status before = device.status();
     LiveFocusPlaying now{.step_s = pace.step_s(), .lead_s = pace.lead_s(), .status = before};
     while_on(device, settings.watchdog_ms, [&] {
         LiveFeed fifo(device, device.identity(), each);
-        for (auto asked = Clock::now(); watch(now);) {
-            if (Clock::now() - asked > between_statuses) {
+        for (auto asked = clock.now(); watch(now);) {
+            if (clock.now() - asked > between_statuses) {
                 now.status = device.status();
                 fifo.learn(now.status);
                 require_on(now.status, &before);
                 pace.learn(counted(before, now.status).underruns);
                 now.step_s = pace.step_s();
                 now.lead_s = pace.lead_s();
-                asked = Clock::now();
+                asked = clock.now();
             }
             const std::size_t level = fifo.level(), wanted = pace.foci();
             const std::size_t count = std::min(fifo.room(), wanted - std::min(wanted, level));
@@ -97,7 +95,7 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
                 fifo.push_foci(words, pace.dwell());
                 now.sent += count;
             } else if (device.unanswered() == 0) {
-                std::this_thread::sleep_for(std::chrono::duration<double>(0.5 * pace.step_s()));
+                clock.rest(Clock::time(0.5 * pace.step_s()));
             }
             fifo.refresh();
         }

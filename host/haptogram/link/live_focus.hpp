@@ -12,6 +12,8 @@ namespace haptogram::link {
 /// The focus that is wanted now. Whoever moves it never waits: it is one word, and the newest wins.
 class FocusMailbox {
 public:
+    explicit FocusMailbox(const Clock& clock) : clock_(clock) {}
+
     /// @throws Error{bad_input} as pack_focus() does; then it is silent, for nobody wants what was there
     void put(const Focus& focus);
     void clear() { words_ = 0; }
@@ -19,10 +21,9 @@ public:
     [[nodiscard]] std::uint64_t newest(std::chrono::milliseconds most_age) const;
 
 private:
-    using Clock = std::chrono::steady_clock;
-
+    const Clock& clock_;
     std::atomic<std::uint64_t> words_ = 0;  ///< FocusWords; at first amplitude 0
-    std::atomic<Clock::rep> put_at_ = 0;
+    std::atomic<Clock::Time::rep> put_at_ = 0;
 };
 
 struct LiveFocusSettings {

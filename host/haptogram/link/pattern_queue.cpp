@@ -34,7 +34,7 @@ void PatternQueue::clear() {
 
 std::size_t PatternQueue::take(std::span<std::uint16_t> patterns, std::chrono::milliseconds most_age) {
     const std::lock_guard lock(mutex_);
-    const auto now = Clock::now();
+    const auto now = clock_.now();
     if (most_age.count() > 0 && waiting_.empty() && now - taken_at_ > most_age) last_.clear();
     const std::size_t count = patterns.size() / words_;
     for (std::size_t i = 0; i < count; ++i) {

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "haptogram/link/clock.hpp"
+
 namespace haptogram::link {
 
 /// Patterns that wait for a carrier period each, from a thread that never waits to the one that sends them. When none
@@ -17,7 +19,7 @@ public:
     static constexpr std::size_t most = 4096;  ///< that can wait, 0.1 s
 
     /// @param words  of a pattern
-    explicit PatternQueue(std::size_t words) : words_(words) {}
+    PatternQueue(std::size_t words, const Clock& clock) : words_(words), clock_(clock) {}
 
     [[nodiscard]] std::size_t words() const { return words_; }
     /// Appends whole patterns. @return how many of them there was room for, the first ones
@@ -30,13 +32,12 @@ public:
     void clear();
 
 private:
-    using Clock = std::chrono::steady_clock;
-
     std::size_t words_;
+    const Clock& clock_;
     std::mutex mutex_;  // held while some words are copied
     std::deque<std::uint16_t> waiting_;
     std::vector<std::uint16_t> last_;
-    Clock::time_point taken_at_{};
+    Clock::Time taken_at_{};
 };
 
 }  // namespace haptogram::link

@@ -152,8 +152,8 @@ void PatternStream::send(std::uint64_t period, std::span<const std::uint16_t> pa
 PlayedPatterns play_patterns(Commands& device, const PatternSettings& settings, const PatternSource& source,
                              const std::function<bool(const PatternsPlaying&)>& watch) {
     PatternStream stream(device, settings);
-    const HostClock& clock = settings.clock;
-    const auto rest = [&clock] { clock.wait_until(clock.now_s() + step_s); };
+    Clock& clock = device.clock();
+    const auto rest = [&clock] { clock.rest(Clock::time(step_s)); };
     PlayedPatterns played;
     const bool interrupted = while_on(device, settings.watchdog_ms, [&] {
         const Status before = device.status();

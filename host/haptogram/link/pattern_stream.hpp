@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 
-#include "haptogram/link/clock.hpp"
 #include "haptogram/link/outputs.hpp"
 
 namespace haptogram::link {
@@ -18,7 +17,6 @@ struct PatternSettings {
     std::uint16_t hold = 40;          ///< for so many periods without a pattern the last one plays on
     std::uint16_t fade = 1024;        ///< then amplitudes lose so much a period, of 65,535
     std::uint16_t watchdog_ms = 500;  ///< outputs go off when this host is silent for so long; 0: never
-    HostClock clock = steady_clock();
 };
 
 /// The slots in a device for a pattern of each carrier period, and what is sent to them: "A stream of patterns" in

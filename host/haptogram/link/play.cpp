@@ -8,7 +8,6 @@
 #include <cmath>
 #include <optional>
 #include <set>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -83,21 +82,21 @@ struct FromMemories {
 };
 
 Played play_memories(Commands& device, const PlaySettings& settings, const Watch& watch, const FromMemories& what) {
-    using Clock = std::chrono::steady_clock;
+    const Clock& clock = device.clock();
     const Status before = device.status();
     Playing now{.status = before};
     bool interrupted = false;
     const std::optional<ModulationOn> modulation = modulated(device, settings);
     interrupted |= while_on(device, settings.watchdog_ms, [&] {
         what.begin();
-        auto begun = Clock::now();
+        auto begun = clock.now();
         // Asking for the status also keeps the watchdog quiet.
         const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
         do {
             what.wait(pause);
             now.status = sure_status(device);
-            if (what.waits(now.status)) begun = Clock::now();
-            now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+            if (what.waits(now.status)) begun = clock.now();
+            now.seconds = clock.seconds_since(begun);
             now.underruns = counted(before, now.status).underruns;
             interrupted = watch && !watch(now);
             require_on(now.status, &before);
@@ -139,7 +138,7 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
                                                    settings.loops.value_or(0),
                                                    settings.on_trigger ? When::at_trigger() : When::at_once());
                               },
-                          .wait = [](std::chrono::milliseconds pause) { std::this_thread::sleep_for(pause); },
+                          .wait = [&device](std::chrono::milliseconds pause) { device.clock().rest(pause); },
                           .waits = waits,
                           .goes_on = [&](const Status& status) { return waits(status) || !is_over(status); }});
 }

@@ -42,6 +42,21 @@ std::unique_ptr<Transport> open_ftdi(const std::string& name, std::uint32_t) {
 void add_ftdi(std::vector<PortInfo>&) {}
 #endif
 
+OpenReference& reference_boards() {
+    static OpenReference open;
+    return open;
+}
+
+std::unique_ptr<Transport> open_reference(const std::string& name) {
+    if (!reference_boards())
+        throw bad_argument(
+            "port", "this build has no simulated board; name a serial port, or build with HAPTOGRAM_SIMULATION=ON");
+    return reference_boards()(name.substr(reference_prefix.size()));
+}
+
+/// Whether a board answers there at any rate.
+bool has_no_rate(const std::string& name) { return names_udp(name) || name.starts_with(reference_prefix); }
+
 /// The chain behind a port: all tiles of it that this process uses share the one port, which has one user at a time.
 struct OpenChain {
     std::weak_ptr<Chain> chain;
@@ -98,8 +113,9 @@ bool answers(Transport& line, interface::Command question, std::chrono::microsec
     line.write(asked);
     ReplyDecoder decoder;
     std::vector<Reply> replies;
-    const auto until = line.now() + patience;
-    for (auto now = line.now(); now < until; now = line.now()) {
+    const Clock& clock = line.clock();
+    const auto until = clock.now() + patience;
+    for (auto now = clock.now(); now < until; now = clock.now()) {
         if (interrupt && interrupt() > 0 && question == interface::Command::identify) throw Interrupted();
         const auto left =
             std::chrono::duration_cast<std::chrono::microseconds>(until - now) + std::chrono::microseconds(1);
@@ -113,15 +129,18 @@ bool answers(Transport& line, interface::Command question, std::chrono::microsec
 
 }  // namespace
 
+void set_reference_boards(OpenReference open) { reference_boards() = std::move(open); }
+
 std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud) {
     if (names_udp(name)) return std::make_unique<UdpPort>(name);
     if (const auto chained = chained_port(name)) return open_chain(chained->port, baud)->tile(chained->tile);
+    if (name.starts_with(reference_prefix)) return open_reference(name);
     if (name.starts_with("ftdi:")) return open_ftdi(name, baud);
     return std::make_unique<SerialPort>(name, baud);
 }
 
 std::unique_ptr<Transport> open_port(const PortSettings& settings, interface::Command question, unsigned rounds) {
-    if (names_udp(settings.port)) return std::make_unique<UdpPort>(settings.port);  // it has no rate
+    if (has_no_rate(settings.port)) return open_port(settings.port, 0);
     if (const auto rate = settings.baud ? settings.baud : rate_in_use(settings.port))
         return open_port(settings.port, *rate);
     std::vector<std::uint32_t> rates = rates_to_try(settings);

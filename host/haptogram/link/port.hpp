@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptogram/format/interface.hpp"
@@ -15,15 +16,21 @@ namespace haptogram::link {
 
 /// Where a device is.
 struct PortSettings {
-    std::string port;  ///< a serial port such as /dev/ttyUSB0, ftdi:[VID:PID[:SERIAL]], or udp:ADDRESS[:PORT]; with
-                       ///< `#2` behind it, the second tile of the chain there
+    std::string port;  ///< a serial port such as /dev/ttyUSB0, ftdi:[VID:PID[:SERIAL]], udp:ADDRESS[:PORT], or
+                       ///< reference:NAME; with `#2` behind it, the second tile of the chain there
     std::optional<std::uint32_t> baud{};    ///< the rate, which the build of the FPGA fixes; none: it is found
     Interrupt interrupt{};                  ///< as Client::set_interrupt() has it
     std::optional<std::uint32_t> likely{};  ///< the rate that the image is for, to be tried before the known ones
     std::function<void(const std::string& port, std::uint32_t baud)> found{};  ///< told a rate that was looked for
 };
 
-/// Opens the port of that name: an FTDI chip when the name begins with "ftdi:", a board on a network when with "udp:",
+/// Opens "reference:NAME", a simulated board in this process. Who has simulated boards sets it, before any port is
+/// opened; without it there are none.
+using OpenReference = std::function<std::unique_ptr<Transport>(const std::string& name)>;
+void set_reference_boards(OpenReference open);
+inline constexpr std::string_view reference_prefix = "reference:";
+
+/// Opens the port of that name: a simulated board when the name begins with "reference:", an FTDI chip when the name begins with "ftdi:", a board on a network when with "udp:",
 /// else a serial port. With "#2" at its
 /// end, the second tile of a chain behind it; those of one process share the port.
 /// @throws Error{bad_argument} when there is no such number of a tile

@@ -45,7 +45,7 @@ void wait_for_step(std::span<const Tile> tiles) {
     for (const Tile& tile : tiles.subspan(1))
         while (!with(tile, [](Client& device) { return follows(device.status()); })) {
             const std::uint64_t period = period_of(tiles[0]);
-            if (!count.goes_on(period)) throw tile_error(tiles[0], stands_still(period));
+            if (!count.goes_on(period, tiles[0].device.clock().now())) throw tile_error(tiles[0], stands_still(period));
             if (period - begin > most_periods)
                 throw tile_error(tile, fmt::format("it is a slave and does not come into step with {}; check the wire "
                                                    "from there to its sync_in, and the ground",
@@ -112,7 +112,7 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
             tile.device.start(1, settings.loops ? static_cast<std::uint16_t>(tile.image.sequence.size()) : 0,
                               settings.loops.value_or(0), when);
     };
-    RigTeller tell(watch);
+    RigTeller tell(watch, tiles.front().device.clock());
     const auto play_on = [&] {
         const std::uint64_t begins = playing.begin_together(arm, 0, false);
         tell.begin();

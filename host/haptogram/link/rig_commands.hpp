@@ -34,6 +34,7 @@ public:
     [[nodiscard]] std::size_t unanswered() const override;
     void drop() override;
     [[nodiscard]] std::uint64_t retransmissions() const override;
+    [[nodiscard]] Clock& clock() override { return tiles_.front().device.clock(); }
     bool turn_off() override;
     void keep_alive_every(std::chrono::milliseconds pause) override;
     /// How often all have begun together.

@@ -194,7 +194,7 @@ RigPlayed stream(std::span<const Tile> tiles, const RigSettings& settings, Strea
     PlayingTiles playing(tiles, settings);
     RigFeed feed(tiles, playing);
     Frames frames(source, tiles[0].image, feed.frame());
-    RigTeller tell(watch);
+    RigTeller tell(watch, tiles.front().device.clock());
     const auto stream_on = [&] {
         const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
         bool going = true;

@@ -63,9 +63,8 @@ std::string PlayingTiles::off() {
     return fmt::format("{}", fmt::join(trouble, "; "));
 }
 
-bool PeriodCount::goes_on(std::optional<std::uint64_t> period) {
+bool PeriodCount::goes_on(std::optional<std::uint64_t> period, Clock::Time now) {
     constexpr std::chrono::seconds most{3};
-    const auto now = std::chrono::steady_clock::now();
     if (!period || period != last_) since_ = now;
     last_ = period;
     return now - since_ < most;
@@ -180,7 +179,7 @@ void PlayingTiles::ask() {
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || !answers[i]) continue;
         std::string why = unfit(*answers[i], before_[i], on_);
-        if (why.empty() && !counts_[i].goes_on(answers[i]->period)) why = stands_still(*answers[i]->period);
+        if (why.empty() && !counts_[i].goes_on(answers[i]->period, tiles_[i].device.clock().now())) why = stands_still(*answers[i]->period);
         if (why.empty())
             statuses_[i] = answers[i];
         else

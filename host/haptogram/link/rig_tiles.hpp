@@ -31,11 +31,11 @@ auto with(const Tile& tile, const Work& work) {
 class PeriodCount {
 public:
     /// @return whether it has gone on lately
-    bool goes_on(std::optional<std::uint64_t> period);
+    bool goes_on(std::optional<std::uint64_t> period, Clock::Time now);
 
 private:
     std::optional<std::uint64_t> last_;
-    std::chrono::steady_clock::time_point since_{};
+    Clock::Time since_{};
 };
 [[nodiscard]] std::string stands_still(std::uint64_t period);
 
@@ -99,12 +99,12 @@ void begin_modulation(const Tile& tile, When when);
 /// Tells the watch what goes on, and remembers what it said.
 class RigTeller {
 public:
-    explicit RigTeller(const RigWatch& watch) : watch_(watch) {}
+    RigTeller(const RigWatch& watch, const Clock& clock) : watch_(watch), clock_(clock) {}
 
     /// The seconds are counted from here on.
-    void begin() { begun_ = Clock::now(); }
+    void begin() { begun_ = clock_.now(); }
     void interrupt() { interrupted_ = true; }
-    [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+    [[nodiscard]] double seconds() const { return clock_.seconds_since(begun_); }
     /// @return whether to go on
     bool operator()(const PlayingTiles& tiles) {
         if (watch_ && !watch_({seconds(), sent, tiles.statuses()})) interrupted_ = true;
@@ -120,10 +120,10 @@ public:
     std::uint64_t sent = 0;  ///< entries that went over the lines
 
 private:
-    using Clock = std::chrono::steady_clock;
     const RigWatch& watch_;
+    const Clock& clock_;
     bool interrupted_ = false;
-    Clock::time_point begun_ = Clock::now();
+    Clock::Time begun_ = clock_.now();
 };
 
 }  // namespace haptogram::link

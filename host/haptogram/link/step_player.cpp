@@ -155,7 +155,7 @@ void StepPlayer::advance() {
                 case Phase::weakens: begin_to_play(); break;
                 case Phase::begins:
                     works_.front().phase = Phase::plays;
-                    works_.front().begun = line_->now();
+                    works_.front().begun = line_->clock().now();
                     batch_.reset();
                     break;
                 case Phase::plays: return go_on_playing();
@@ -214,7 +214,7 @@ void StepPlayer::go_on_playing() {
     const Status& now = state_.status;
     require_on(now, &work.before);
     work.told.stage = Stage::plays;
-    work.told.seconds = std::chrono::duration<double>(line_->now() - work.begun).count();
+    work.told.seconds = line_->clock().seconds_since(work.begun);
     settings_.work(work.told);
     if (work.silent >= sure && work.index == 0 && work.parts.empty()) {
         work.phase = Phase::ends;

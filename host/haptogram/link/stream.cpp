@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,18 +20,18 @@ namespace {
 template <class Entry, class Push>
 Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& source, std::size_t foci_each,
             const Push& push, const Watch& watch) {
-    using Clock = std::chrono::steady_clock;
+    Clock& clock = device.clock();
     const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
     const Status before = device.status();
     Played played;
     Playing now{.status = before};
-    const auto begun = Clock::now();
+    const auto begun = clock.now();
     const auto learn = [&](const Status& status) {
         now.status = status;
         now.underruns = counted(before, status).underruns;
     };
     const auto go_on = [&] {
-        now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+        now.seconds = clock.seconds_since(begun);
         now.sent = played.sent;
         if (!played.interrupted && watch && !watch(now)) played.interrupted = true;
         return !played.interrupted;
@@ -40,17 +39,17 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
     played.interrupted |= while_on(device, settings.watchdog_ms, [&] {
         LiveFeed fifo(device, device.identity(), foci_each);
         std::optional<Entry> entry;
-        auto asked = Clock::now();
+        auto asked = clock.now();
         while (go_on()) {
-            if (Clock::now() - asked > pause) {
+            if (clock.now() - asked > pause) {
                 learn(device.status());
                 require_on(now.status, &before);
-                asked = Clock::now();
+                asked = clock.now();
             }
             if (!entry) entry = source.next(pause);
             if (!entry && source.ended()) break;
             if (!entry || fifo.room() < fifo.frame()) {  // learning the FIFO's level also keeps the watchdog quiet
-                if (entry && device.unanswered() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                if (entry && device.unanswered() == 0) clock.rest(std::chrono::milliseconds(1));
                 fifo.refresh();
                 continue;
             }
@@ -67,7 +66,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
         if (!played.interrupted) fifo.push({0}, 0);
         for (learn(sure_status(device)); go_on() && !is_over(now.status); learn(sure_status(device))) {
             require_on(now.status, &before);
-            std::this_thread::sleep_for(pause);
+            clock.rest(pause);
         }
     });
     Played all = counted(before, now.status);

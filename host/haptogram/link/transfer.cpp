@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
-#include <thread>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -48,14 +47,13 @@ Request played(const SampledModulation& modulation) {
     return modulate_request(modulation.divider, static_cast<std::uint16_t>(modulation.samples.size()), true);
 }
 
-using Clock = std::chrono::steady_clock;
-
 /// Connects again after a loss, until then. @return empty when the device did not come back
-std::unique_ptr<Commands> connect_again(const Connect& connect, Clock::time_point until, const Progress& progress) {
+std::unique_ptr<Commands> connect_again(const Connect& connect, Clock& clock, Clock::Time until,
+                                        const Progress& progress) {
     constexpr std::chrono::milliseconds pause{200};
-    while (Clock::now() < until) {
+    while (clock.now() < until) {
         progress(0.0, "waiting");
-        std::this_thread::sleep_for(pause);
+        clock.rest(pause);
         try {
             return connect();
         } catch (const Error& error) {
@@ -237,12 +235,13 @@ void require_fits(const Image& image, const Identity& identity, const std::strin
 UploadReport upload(const Connect& connect, const Image& image, const UploadSettings& settings) {
     std::unique_ptr<Commands> device = connect();
     require_fits(image, device->identity(), settings.image);
-    const auto begun = Clock::now();
+    Clock& clock = device->clock();
+    const Clock::Time begun = clock.now();
     UploadReport report{.records = image.record_count(), .sequence_entries = image.sequence.size()};
     // A device that comes back, and then answers nothing, has not come back.
-    auto answered = Clock::now();
+    Clock::Time answered = clock.now();
     const Progress progress([&](double fraction, std::string_view stage) {
-        answered = Clock::now();
+        answered = clock.now();
         settings.progress(fraction, stage);
         return true;
     });
@@ -256,11 +255,10 @@ UploadReport upload(const Connect& connect, const Image& image, const UploadSett
             report.retransmissions += device->retransmissions();
             device.reset();
             ++report.link_losses;
-            const auto until = answered + std::chrono::duration_cast<Clock::duration>(
-                                              std::chrono::duration<double>(std::min(settings.wait_s, 1e8)));
-            const double left_s = std::chrono::duration<double>(until - Clock::now()).count();
+            const auto until = answered + Clock::time(std::min(settings.wait_s, 1e8));
+            const double left_s = Clock::seconds(until - clock.now());
             if (settings.lost && left_s > 0.0) settings.lost(lost, left_s);
-            device = connect_again(connect, until, settings.progress);
+            device = connect_again(connect, clock, until, settings.progress);
             if (!device)
                 throw Error(ErrorCode::device, settings.port,
                             "it did not come back; the same command goes on where this one stopped");
@@ -268,7 +266,7 @@ UploadReport upload(const Connect& connect, const Image& image, const UploadSett
         }
     }
     report.retransmissions += device->retransmissions();
-    report.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+    report.seconds = clock.seconds_since(begun);
     if (settings.verify) {
         const std::string difference = compare(*device, image, settings.progress.in_stage("verify"));
         if (!difference.empty())

@@ -9,6 +9,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/interface.hpp"
+#include "haptogram/link/clock.hpp"
 
 namespace haptogram::link {
 
@@ -58,10 +59,8 @@ public:
     [[nodiscard]] virtual bool break_has_acted() { return false; }
     /// While this says so, a port that takes no bytes is not waited for.
     virtual void set_interrupt(const Interrupt&) {}
-    /// The line's own time, which is not the machine's when the board is simulated.
-    [[nodiscard]] virtual std::chrono::nanoseconds now() const {
-        return std::chrono::steady_clock::now().time_since_epoch();
-    }
+    /// The line's own time, which is not the machine's when the board is simulated. It outlives whoever waits in it.
+    [[nodiscard]] virtual Clock& clock() { return machine_clock(); }
     /// How long an answer may take on this line before the request is sent again.
     [[nodiscard]] virtual std::chrono::microseconds patience() const {
         return std::chrono::milliseconds(interface::link_policy::patience_ms);

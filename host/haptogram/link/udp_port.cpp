@@ -216,9 +216,9 @@ bool UdpPort::break_has_acted() {
 }
 
 std::optional<AboutBoard> UdpPort::open_answer(Command command, std::chrono::microseconds patience) {
-    const auto until = now() + patience;
+    const Clock::Time until = machine_clock().now() + patience;
     do {
-        const auto left = std::chrono::duration_cast<std::chrono::microseconds>(until - now());
+        const auto left = std::chrono::duration_cast<std::chrono::microseconds>(until - machine_clock().now());
         if (!sockets_->open.wait(std::max(left, std::chrono::microseconds(0)))) return {};
         Datagram datagram;
         error_code error;

@@ -40,7 +40,7 @@ void require_common_period(const Timer& timer, const link::Identity& board) {
                                            made, wanted, common_hz));
 }
 
-ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, const Array& array,
+ChosenPlayer with_foci(link::Commands& device, link::Clock& clock, const Array& array,
                        const PlayerOptions& options, const Line& line) {
     auto player =
         std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms, options.parts);
@@ -60,7 +60,7 @@ ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, con
     return {std::move(player), std::move(about), 0.0, std::move(shortfall)};
 }
 
-ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, const Array& array,
+ChosenPlayer with_records(link::Commands& device, link::Clock& clock, const Array& array,
                           const PlayerOptions& options, const Line& line) {
     const link::Identity& board = device.identity();
     if (options.slow)
@@ -103,7 +103,7 @@ ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, 
 
 }  // namespace
 
-ChosenPlayer choose_player(link::Commands& device, const link::HostClock& clock, const Array& array,
+ChosenPlayer choose_player(link::Commands& device, link::Clock& clock, const Array& array,
                            const PlayerOptions& options) {
     PlayerOptions all = options;
     if (all.parts.empty()) all.parts = one_part(device, array);

@@ -34,7 +34,7 @@ struct ChosenPlayer {
 /// Foci where the board computes them for this array, and records elsewhere.
 /// @throws Error{bad_input} when several boards cannot keep the array's carrier together, Error{device} when the line
 /// takes too long for a path's records to follow a hand
-[[nodiscard]] ChosenPlayer choose_player(link::Commands& device, const link::HostClock& clock, const Array& array,
+[[nodiscard]] ChosenPlayer choose_player(link::Commands& device, link::Clock& clock, const Array& array,
                                          const PlayerOptions& options);
 
 }  // namespace haptogram::live

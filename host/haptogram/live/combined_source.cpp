@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -18,8 +17,6 @@ constexpr double old_intervals = 0.6;   // more than half, so that two that come
 constexpr double drift_part = 1e-2;     // of what a frame came later than expected is the clocks' drift
 constexpr std::chrono::microseconds nap{300};
 
-double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 bool is_known(const std::vector<Hand>& hands, const Hand& hand) {
     return std::any_of(hands.begin(), hands.end(), [&](const Hand& other) {
         return other.right == hand.right && distance(other.palm, hand.palm) < same_hand_m;
@@ -28,8 +25,7 @@ bool is_known(const std::vector<Hand>& hands, const Hand& hand) {
 
 }  // namespace
 
-CombinedSource::CombinedSource(std::vector<Part> parts, std::function<double()> now_s)
-    : now_s_(now_s ? std::move(now_s) : steady_s) {
+CombinedSource::CombinedSource(std::vector<Part> parts, link::Clock& clock) : clock_(clock) {
     if (parts.empty() || parts.size() > most_sources) throw bad_argument("from", "expected one to eight sources");
     live_ = parts.front().frames->live();
     for (Part& part : parts) {
@@ -105,7 +101,7 @@ void CombinedSource::take_what_came() {
         std::optional<Frame> frame = source.part.frames->next();
         source.ended = !frame;
         if (!frame) continue;
-        const double now_s = now_s_();
+        const double now_s = clock_.now_s();
         if (!begin_s_) begin_s_ = now_s;
         take(source, *std::move(frame), now_s - *begin_s_);
     }
@@ -114,7 +110,7 @@ void CombinedSource::take_what_came() {
 bool CombinedSource::ready() {
     if (!live_) return true;
     take_what_came();
-    return is_round(begin_s_ ? now_s_() - *begin_s_ : 0.0) ||
+    return is_round(begin_s_ ? clock_.now_s() - *begin_s_ : 0.0) ||
            std::all_of(sources_.begin(), sources_.end(), [](const Source& source) { return source.ended; });
 }
 
@@ -156,7 +152,7 @@ Frame CombinedSource::together() {
 
 std::optional<Frame> CombinedSource::next() {
     if (live_) {
-        while (!ready()) std::this_thread::sleep_for(nap);
+        while (!ready()) clock_.rest(nap);
     } else {
         for (Source* source = earliest(); source != nullptr; source = earliest()) {
             Frame frame = *std::exchange(source->coming, std::nullopt);

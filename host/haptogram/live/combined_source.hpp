@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "haptogram/link/clock.hpp"
 #include "haptogram/live/frame.hpp"
 
 namespace haptogram::live {
@@ -18,9 +18,9 @@ public:
         std::unique_ptr<FrameSource> frames;
         std::size_t cameras = 0;  ///< 0: a tracker's hands
     };
-    /// @param now_s  a clock, by which live sources, each of which has one of its own, are put together
+    /// @param clock  by which live sources, each of which has one of its own, are put together
     /// @throws Error{bad_argument} when some are live and others recordings, or there are too many
-    explicit CombinedSource(std::vector<Part> parts, std::function<double()> now_s = {});
+    CombinedSource(std::vector<Part> parts, link::Clock& clock);
 
     /// Of the slowest one that is not late.
     [[nodiscard]] double rate_hz() const override;
@@ -50,7 +50,7 @@ private:
     [[nodiscard]] Frame together();
 
     std::vector<Source> sources_;
-    std::function<double()> now_s_;
+    link::Clock& clock_;
     bool live_ = false;
     std::optional<double> begin_s_;
     std::uint64_t number_ = 0;

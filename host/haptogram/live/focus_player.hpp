@@ -27,7 +27,7 @@ public:
     /// @param line   to the board
     /// @param parts  of the device, each with the elements of its own; none: it is one board
     /// @throws Error{bad_input} as focus_image_of() does
-    FocusPlayer(link::Commands& device, const link::HostClock& clock, const Array& array, const FocusPace& wanted,
+    FocusPlayer(link::Commands& device, link::Clock& clock, const Array& array, const FocusPace& wanted,
                 const Line& line, std::uint16_t watchdog_ms = 500, const std::vector<DevicePart>& parts = {});
 
     /// @param path  without a modulation

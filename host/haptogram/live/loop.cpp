@@ -41,7 +41,7 @@ void Loop::serve_until(double time_s) {
             ++absent_;
             miss();
         }
-        if (!player_.service()) clock_.wait_until(std::min(time_s, now + nap_s));
+        if (!player_.service()) clock_.rest_until_s(std::min(time_s, now + nap_s));
     }
 }
 

@@ -39,7 +39,7 @@ struct LoopReport : ShotCounts {
 /// Frames in, paths out: it takes frames as they come due by the clock, and between them keeps the path going.
 class Loop {
 public:
-    Loop(link::Commands& device, const link::HostClock& clock, Player& player, const LoopOptions& options)
+    Loop(link::Commands& device, link::Clock& clock, Player& player, const LoopOptions& options)
         : device_(device), clock_(clock), player_(player), options_(options) {}
 
     using Told = std::function<bool(const ShotReport&, const Frame&, const std::optional<Path>&)>;
@@ -59,7 +59,7 @@ private:
     void miss();
 
     link::Commands& device_;
-    link::HostClock clock_;
+    link::Clock& clock_;
     Player& player_;
     LoopOptions options_;
     double rate_hz_ = 30.0;  ///< of frames

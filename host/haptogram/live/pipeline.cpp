@@ -11,6 +11,7 @@ namespace haptogram::live {
 namespace {
 
 constexpr double look_s = 0.5e-3;
+constexpr std::chrono::hours long_wait{1};  // for what is told of when it comes
 
 /// Of this thread.
 double thread_processor_s() {
@@ -21,10 +22,10 @@ double thread_processor_s() {
 
 }  // namespace
 
-Pipeline::Pipeline(FrameSource& source, Feeler& feeler, link::HostClock clock)
-    : source_(source), feeler_(feeler), clock_(std::move(clock)), rate_hz_(source.rate_hz()) {
-    tracking_ = std::thread([this] { guarded([this] { track(); }); });
-    computing_ = std::thread([this] { guarded([this] { compute(); }); });
+Pipeline::Pipeline(FrameSource& source, Feeler& feeler, link::Clock& clock)
+    : source_(source), feeler_(feeler), clock_(clock), rate_hz_(source.rate_hz()) {
+    tracking_ = clock_.begin([this] { guarded([this] { track(); }); });
+    computing_ = clock_.begin([this] { guarded([this] { compute(); }); });
 }
 
 Pipeline::~Pipeline() {
@@ -33,8 +34,8 @@ Pipeline::~Pipeline() {
         end_ = true;
     }
     changed_.notify_all();
-    tracking_.join();
-    computing_.join();
+    clock_.join(tracking_);
+    clock_.join(computing_);
 }
 
 template <class Work>
@@ -50,7 +51,8 @@ void Pipeline::guarded(Work work) {
 }
 
 bool Pipeline::wait_until(double time_s) {
-    while (!end_ && clock_.now_s() < time_s) clock_.wait_until(std::min(time_s, clock_.now_s() + 20.0 * look_s));
+    std::unique_lock lock(mutex_);
+    clock_.wait_until(lock, changed_, link::Clock::time(time_s), [this] { return end_.load(); });
     return !end_;
 }
 
@@ -58,7 +60,7 @@ void Pipeline::track() {
     std::optional<double> begin_s;
     while (!end_) {
         if (!source_.ready()) {
-            clock_.wait_until(clock_.now_s() + look_s);
+            clock_.rest_until_s(clock_.now_s() + look_s);
             continue;
         }
         std::optional<Frame> frame = source_.next();
@@ -84,7 +86,7 @@ void Pipeline::compute() {
         Felt felt;
         {
             std::unique_lock lock(mutex_);
-            changed_.wait(lock, [this] { return end_ || seen_ || tracked_; });
+            if (!clock_.wait_for(lock, changed_, long_wait, [this] { return end_ || seen_ || tracked_; })) continue;
             if (end_ || !seen_) break;
             felt.frame = *std::exchange(seen_, std::nullopt);
         }
@@ -108,7 +110,7 @@ bool Pipeline::ready() {
 }
 
 std::optional<Frame> Pipeline::next() {
-    while (!ready()) clock_.wait_until(clock_.now_s() + look_s);
+    while (!ready()) clock_.rest_until_s(clock_.now_s() + look_s);
     const std::lock_guard lock(mutex_);
     if (trouble_) std::rethrow_exception(trouble_);
     taken_ = std::exchange(felt_, std::nullopt);

@@ -21,7 +21,7 @@ namespace haptogram::live {
 class Pipeline final : public FrameSource, public Feeler {
 public:
     /// @param clock  of the machine, which all threads read
-    Pipeline(FrameSource& source, Feeler& feeler, link::HostClock clock);
+    Pipeline(FrameSource& source, Feeler& feeler, link::Clock& clock);
     ~Pipeline() override;
 
     [[nodiscard]] double rate_hz() const override { return rate_hz_; }
@@ -46,7 +46,7 @@ private:
 
     FrameSource& source_;
     Feeler& feeler_;
-    link::HostClock clock_;
+    link::Clock& clock_;
     std::atomic<double> rate_hz_;
     std::atomic<bool> end_ = false;
     mutable std::mutex mutex_;

@@ -8,7 +8,7 @@
 
 namespace haptogram::live {
 
-Line measured_line(link::Commands& device, const link::HostClock& clock) {
+Line measured_line(link::Commands& device, link::Clock& clock) {
     constexpr std::uint16_t few = 16, many = 192;
     constexpr double around = 20.0;   // bytes beside them: of the question, and of the answer's frame
     constexpr double least_s = 1e-6;  // of a line that is faster than can be measured
@@ -28,7 +28,7 @@ Line measured_line(link::Commands& device, const link::HostClock& clock) {
     return {1.0 / byte_s, std::max(0.0, short_s - (few + around) * byte_s)};
 }
 
-Player::Player(link::Commands& device, const link::HostClock& clock, const Timer& timer, std::uint16_t watchdog_ms)
+Player::Player(link::Commands& device, link::Clock& clock, const Timer& timer, std::uint16_t watchdog_ms)
     : device_(device),
       clock_(clock),
       timer_(timer),
@@ -51,10 +51,10 @@ void Player::send_entries(link::Request request, std::span<const std::uint16_t> 
 }
 
 void Player::submit_to(link::Commands& device, link::Request request, std::size_t entries) {
-    device.submit(std::move(request), [fifo = fifo_, entries, now = clock_.now_s](const link::Reply& reply) {
+    device.submit(std::move(request), [fifo = fifo_, entries, clock = &clock_](const link::Reply& reply) {
         fifo->under_way -= entries;
         fifo->level = reply.live_level;
-        fifo->told_s = now();
+        fifo->told_s = clock->now_s();
     });
     device.flush();
     said_s_ = clock_.now_s();
@@ -86,9 +86,9 @@ void Player::begins(SentRing about, std::uint64_t entry, double waiting) {
 void Player::ask() {
     device_.submit({interface::Command::status, {}},
                    [time = time_, fifo = fifo_, entries = fifo_->pushed, asked_s = clock_.now_s(),
-                    now = clock_.now_s](const link::Reply& reply) {
+                    clock = &clock_](const link::Reply& reply) {
                        fifo->level = reply.live_level;
-                       fifo->told_s = now();
+                       fifo->told_s = clock->now_s();
                        const link::Status status = link::to_status(reply.data);
                        fifo->underruns = status.underruns;
                        if (time) time->heard(status, entries, asked_s, fifo->told_s);

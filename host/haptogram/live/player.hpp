@@ -45,7 +45,7 @@ struct Line {
     double bytes_s = 0.0;  ///< bytes a second, one way
     double trip_s = 0.0;   ///< of a question and its answer without their bytes
 };
-[[nodiscard]] Line measured_line(link::Commands& device, const link::HostClock& clock);
+[[nodiscard]] Line measured_line(link::Commands& device, link::Clock& clock);
 
 /// Plays a path over and over on a device, and takes another instead when it is told to.
 ///
@@ -80,7 +80,7 @@ public:
 
 protected:
     /// @param watchdog_ms  of the device, which hears from here in time, silent or not
-    Player(link::Commands& device, const link::HostClock& clock, const Timer& timer, std::uint16_t watchdog_ms);
+    Player(link::Commands& device, link::Clock& clock, const Timer& timer, std::uint16_t watchdog_ms);
 
     /// What the last reply said of the FIFO. All replies tell its level.
     struct Fifo {
@@ -106,7 +106,7 @@ protected:
     void ask();
 
     link::Commands& device_;
-    link::HostClock clock_;
+    link::Clock& clock_;
     Timer timer_;
     std::shared_ptr<Fifo> fifo_;       ///< shared, because replies may come after this object is gone
     std::shared_ptr<BoardTime> time_;  ///< empty when the device counts no periods

@@ -116,7 +116,7 @@ OpenedSource open_sources(const std::vector<std::string>& names, const CameraOpt
         std::move(one.depth.begin(), one.depth.end(), std::back_inserter(all.depth));
         all.trackers.insert(all.trackers.end(), one.trackers.begin(), one.trackers.end());
     }
-    all.frames = std::make_unique<CombinedSource>(std::move(parts));
+    all.frames = std::make_unique<CombinedSource>(std::move(parts), link::machine_clock());
     return all;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <thread>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -14,10 +13,6 @@
 
 namespace haptogram::link {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
 /// Two numbers for every word of memory, by its address: neighbours differ in half of their bits, so that a wrong
 /// address line shows, and the second is the complement, so that each bit is seen as 0 and as 1.
@@ -57,21 +52,22 @@ struct Duration {
 
 /// Plays silence, so many cycles of record 1, and sees when the board has ended it.
 Duration play_silence(Commands& device, std::uint16_t cycles, double give_up_s, const Progress& progress) {
-    const auto asked = Clock::now();
+    Clock& clock = device.clock();
+    const Clock::Time asked = clock.now();
     device.select(1, cycles);
-    const auto begun = Clock::now();
+    const Clock::Time begun = clock.now();
     Duration lasted;
-    while (seconds(Clock::now() - begun) < give_up_s) {
-        const auto before = Clock::now();
+    while (clock.seconds_since(begun) < give_up_s) {
+        const Clock::Time before = clock.now();
         const Status status = sure_status(device);
         require_on(status);
         if (is_over(status)) {
-            lasted.most_s = seconds(Clock::now() - asked);
+            lasted.most_s = clock.seconds_since(asked);
             break;
         }
-        lasted.least_s = seconds(before - begun);
+        lasted.least_s = Clock::seconds(before - begun);
         progress(std::min(1.0, lasted.least_s / give_up_s));
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        clock.rest(std::chrono::milliseconds(1));
     }
     return lasted;
 }
@@ -81,13 +77,14 @@ Duration play_silence(Commands& device, std::uint16_t cycles, double give_up_s, 
 Finding check_link(Commands& device, const SelfTestSettings& settings) {
     constexpr int singles = 20, together = 100;
     const Progress progress = settings.progress.in_stage(to_string(Check::link));
+    const Clock& clock = device.clock();
     const Status before = device.status();
     const std::uint64_t sent_before = device.retransmissions();
     std::vector<double> trips;
     for (int i = 0; i < singles; ++i) {
-        const auto begun = Clock::now();
+        const Clock::Time begun = clock.now();
         device.keep_alive();
-        trips.push_back(seconds(Clock::now() - begun));
+        trips.push_back(clock.seconds_since(begun));
         progress(0.5 * i / singles);
     }
     std::ranges::nth_element(trips, trips.begin() + singles / 2);
@@ -197,7 +194,7 @@ Finding check_watchdog(Commands& device, const SelfTestSettings&) {
     heed(while_on(device, watchdog_ms, [&] {
         device.keep_alive_every({});
         for (const int silence_ms : {200, 1000, 5000}) {  // a simulated board is slower than real time
-            std::this_thread::sleep_for(std::chrono::milliseconds(silence_ms));
+            device.clock().rest(std::chrono::milliseconds(silence_ms));
             const Status status = device.status();
             went_off =
                 static_cast<std::uint16_t>(status.watchdog_trips - before.watchdog_trips) == 1 && !status.enabled;

@@ -3,28 +3,29 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {
 
-TriggerReader::TriggerReader(std::vector<Trigger> triggers, std::optional<LiveText> lines, Told told)
-    : triggers_(std::move(triggers)), fired_by_(triggers_), text_(std::move(lines)), told_(std::move(told)) {}
+TriggerReader::TriggerReader(std::vector<Trigger> triggers, std::optional<LiveText> lines, Told told,
+                             link::Clock& clock)
+    : triggers_(std::move(triggers)), fired_by_(triggers_), text_(std::move(lines)), told_(std::move(told)), clock_(clock) {}
 
 std::optional<std::size_t> TriggerReader::next(std::chrono::milliseconds patience) {
-    if (ended()) std::this_thread::sleep_for(patience);
-    const auto until = std::chrono::steady_clock::now() + patience;
-    while (fired_.empty() && !ended()) {
-        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
-        const auto line = text_->next(std::max(left, std::chrono::milliseconds(0)));
+    constexpr std::chrono::milliseconds look{1};
+    const link::Clock::Time until = clock_.now() + patience;
+    while (fired_.empty()) {
+        const auto line = ended() ? std::nullopt : text_->next(std::chrono::milliseconds(0));
         if (line) try {
                 for (const std::size_t number : fired_by_.fired(*line, text_->where())) fired_.push_back(number);
             } catch (const Error& error) {
                 told_(error.what());
             }
-        if (left.count() <= 0) break;
+        const link::Clock::Time now = clock_.now();
+        if (now >= until) break;
+        if (!line) clock_.rest_until(ended() ? until : std::min<link::Clock::Time>(until, now + look));
     }
     if (fired_.empty()) return {};
     const std::size_t first = fired_.front();

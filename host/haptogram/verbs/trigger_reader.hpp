@@ -20,7 +20,8 @@ public:
 
     /// @param lines  none: nothing fires
     /// @param told   what is wrong with a line; the next is read
-    TriggerReader(std::vector<Trigger> triggers, std::optional<LiveText> lines, Told told);
+    /// @param clock  of the device that they play on
+    TriggerReader(std::vector<Trigger> triggers, std::optional<LiveText> lines, Told told, link::Clock& clock);
 
     [[nodiscard]] std::optional<std::size_t> next(std::chrono::milliseconds patience) override;
     [[nodiscard]] bool ended() const override;
@@ -30,6 +31,7 @@ private:
     TriggerLines fired_by_;
     std::optional<LiveText> text_;
     const Told told_;
+    link::Clock& clock_;
     std::deque<std::size_t> fired_;
 };
 

@@ -83,7 +83,7 @@ private:
     std::string trouble_;               // that nothing answered at any of them
     bool tries_next_ = false, leaves_ = false;
     double intensity_ = 1.0;
-    PageSight sight_;
+    PageSight sight_{link::machine_clock()};
     std::vector<Stop> stops_;
     Clock::time_point stepped_{};
     link::Bytes arrived_;

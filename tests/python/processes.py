@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests share: virtual boards, and both programs as processes."""
 import contextlib
-import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+from patience import PATIENCE_S, Board
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "python"
@@ -17,7 +18,7 @@ OK, RUN_FAILED, USAGE, BAD_INPUT, DEVICE = range(5)
 
 
 def run(command, folder, **more):
-    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.DEVNULL, "timeout": 60, **more}
+    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.DEVNULL, "timeout": PATIENCE_S, **more}
     return subprocess.run([str(word) for word in command], cwd=folder, env=ENVIRONMENT, text=True, check=False, **more)
 
 
@@ -33,7 +34,9 @@ def python_command(*args):
 
 
 def ask(folder, *args, **more):
-    """haptogram-py at the port of `folder`, which must succeed; its standard output."""
+    """haptogram-py at the port of `folder`, which must succeed; its standard output. Where nothing is said of a watchdog, it lets a busy machine pause."""
+    if args[0] in ("play", "stream") and "--watchdog" not in args:
+        args = (*args, "--watchdog", 60000)
     result = run(python_command(*args, "--port", "port"), folder, **more)
     assert result.returncode == OK, result.stderr
     return result.stdout
@@ -54,11 +57,9 @@ def virtual_board(folder, *options, port="port"):
     model = os.environ.get("HAPTOGRAM_MODEL", "reference")
     as_asked = [] if "--model" in options else ["--model", model, "--speed", "max" if model == "rtl" else "real"]
     command = [str(PROGRAM), "board", "run", "--json", "--pty", port, *as_asked, *map(str, options)]
-    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    board = Board(command, folder)
     try:
-        json.loads(process.stdout.readline())
-        yield process
+        yield board
     finally:
-        process.kill()
-        process.communicate()
+        board.end()
         (folder / port).unlink(missing_ok=True)

@@ -4,14 +4,14 @@ import dataclasses
 import json
 import zlib
 
-import boards
+import processes
 import numpy as np
 import pytest
-from boards import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, python_command, run, virtual_board
+from processes import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, python_command, run, virtual_board
 from haptogram import Client, Focus, HaptogramError, Image
 from haptogram.interface import MODULATION_BASE, PARAMETERS_BASE, PRIMARY_BASE, RING_BASE, RING_FIELDS, unpack
 
-SMALL = (boards.ROOT / "tests/data/arrays/tile-4x4.toml").read_text()
+SMALL = (processes.ROOT / "tests/data/arrays/tile-4x4.toml").read_text()
 
 
 @pytest.fixture(scope="session")
@@ -24,8 +24,8 @@ def foci_images(tmp_path_factory):
                       {"periods": 4, "foci": []}]}  # fmt: skip
     (folder / "path.json").write_text(json.dumps(path))
     on = ("--board", "small-16-wide", "--array", "small.toml")
-    boards.haptogram(folder, "compile", "--shape", "circle", "--diameter", 20, "--points", 8, "--rate", 500, *on, "-o", "circle.hex")
-    boards.haptogram(folder, "compile", "--path", "path.json", *on, "-o", "two.hex")
+    processes.haptogram(folder, "compile", "--shape", "circle", "--diameter", 20, "--points", 8, "--rate", 500, *on, "-o", "circle.hex")
+    processes.haptogram(folder, "compile", "--path", "path.json", *on, "-o", "two.hex")
     return folder
 
 
@@ -47,7 +47,7 @@ def test_an_image_is_read_as_it_was_written(foci_images, tmp_path):
         image = Image.load(str(foci_images / name))
         image.save(str(tmp_path / name))
         assert Image.load(str(tmp_path / name)) == image
-    assert boards.haptogram(tmp_path, "inspect", "two.hex", "--json") == boards.haptogram(foci_images, "inspect", "two.hex", "--json")
+    assert processes.haptogram(tmp_path, "inspect", "two.hex", "--json") == processes.haptogram(foci_images, "inspect", "two.hex", "--json")
 
 
 def test_words_of_a_focus():
@@ -184,7 +184,7 @@ def test_changes_wait_for_a_period_or_the_end(wide):
 
 
 def test_the_program_gives_a_board_a_role(folder):
-    boards.haptogram(folder, "compile", "--shape", "point", "--am", "sine:1000", "--board", "tile-100-wide", "--array", "tile-10x10", "-o", "sync.hex")
+    processes.haptogram(folder, "compile", "--shape", "point", "--am", "sine:1000", "--board", "tile-100-wide", "--array", "tile-10x10", "-o", "sync.hex")
     with virtual_board(folder, "--image", "sync.hex"):
         assert json.loads(ask(folder, "device", "status", "--json"))["role"] == "alone"
         ask(folder, "device", "sync", "slave")

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is promised of time, exactly, in a time that is stepped; and that a device that breaks it by a millisecond is
+// noticed.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "../virtual_clock.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/device_thread.hpp"
+#include "timed_line.hpp"
+
+using namespace haptogram;
+using namespace haptogram::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::chrono::milliseconds most_stop{100}, watchdog{500};
+
+/// What is wrong with a time; empty when nothing is.
+std::string beyond(const char* what, Clock::Time found, Clock::Time most) {
+    return found <= most ? "" : fmt::format("{} {} us late", what, (found - most) / 1us);
+}
+
+/// From shut_off() until the outputs are off, while a channel asks for as much as goes over the line.
+Clock::Time stop_takes(FakeDevice::Faults faults, Clock::Time after) {
+    VirtualClock clock;
+    FakeDevice device(faults);
+    const auto open = [&] { return std::make_unique<TimedLine>(device, TimedLine::Settings{.baud = 115200}, clock); };
+    link::DeviceThread thread({.open = open, .clock = clock});
+    const auto channel = thread.channel();
+    channel->enable();
+    for (int i = 0; i < 1000; ++i) channel->submit(link::write_request(0, link::Bytes(200, 1)));
+    channel->flush();
+    clock.rest(after);
+    const Clock::Time asked = clock.now();
+    REQUIRE(thread.wait_off(thread.shut_off(), 2s));
+    return device.off_at(clock.now()) - asked;
+}
+
+/// From the last that the device has heard of a host that dies until the outputs are off.
+Clock::Time stays_on(FakeDevice::Faults faults) {
+    VirtualClock clock;
+    FakeDevice device(faults);
+    link::Client client(std::make_unique<TimedLine>(device, TimedLine::Settings{}, clock));
+    client.identify();
+    client.set_watchdog(static_cast<std::uint16_t>(watchdog.count()));
+    client.enable();
+    clock.rest(10s);
+    return device.off_at(clock.now()) - device.heard_at();
+}
+
+}  // namespace
+
+TEST_CASE("virtual time: who waits for the least runs next, and none takes any of the machine's") {
+    VirtualClock clock;
+    std::vector<std::pair<int, Clock::Time>> ran;
+    std::mutex mutex;
+    std::condition_variable news;
+    bool told = false;
+    std::thread other = clock.begin([&] {
+        for (int i = 0; i < 3; ++i) {
+            clock.rest(10min);
+            ran.emplace_back(1, clock.now());
+        }
+        const std::lock_guard lock(mutex);
+        told = true;
+        news.notify_all();
+    });
+    clock.at(15min, [&] { ran.emplace_back(2, clock.now()); });
+    clock.rest(12min);
+    ran.emplace_back(0, clock.now());
+    std::unique_lock lock(mutex);
+    CHECK_FALSE(clock.wait_for(lock, news, 1min, [&] { return told; }));
+    CHECK(clock.now() == 13min);
+    CHECK(clock.wait_for(lock, news, 1h, [&] { return told; }));
+    lock.unlock();
+    CHECK(clock.now() == 30min);
+    clock.join(other);
+    CHECK(ran == std::vector<std::pair<int, Clock::Time>>{{1, 10min}, {0, 12min}, {2, 15min}, {1, 20min}, {1, 30min}});
+}
+
+TEST_CASE("virtual time: a full line is overtaken by STOP within 100 ms, and one that takes 101 is noticed") {
+    for (Clock::Time after = 0ms; after < 300ms; after += 7100us) {
+        const Clock::Time takes = stop_takes({}, after);
+        CHECK(beyond("STOP", takes, most_stop).empty());
+        CHECK(takes == stop_takes({}, after));  // always the same
+        CHECK(beyond("STOP", stop_takes({.stop = 100ms - takes}, after), most_stop).empty());
+        CHECK(beyond("STOP", stop_takes({.stop = 101ms - takes}, after), most_stop) == "STOP 1000 us late");
+    }
+}
+
+TEST_CASE("virtual time: outputs are off when the watchdog's time is over, and a millisecond more is noticed") {
+    CHECK(stays_on({}) == watchdog);
+    CHECK(beyond("watchdog", stays_on({}), watchdog).empty());
+    CHECK(beyond("watchdog", stays_on({.watchdog = 1ms}), watchdog) == "watchdog 1000 us late");
+}
+
+TEST_CASE("virtual time: outputs stay on for an hour on a line that loses one byte of a thousand") {
+    VirtualClock clock;
+    FakeDevice device;
+    const TimedLine::Settings lossy{.lose_one_in = 1000};  // about 1 % of frames
+    const auto open = [&] { return std::make_unique<TimedLine>(device, lossy, clock); };
+    link::DeviceThread thread({.open = open, .clock = clock});
+    const auto channel = thread.channel();
+    channel->set_watchdog(static_cast<std::uint16_t>(watchdog.count()));
+    channel->enable();
+    clock.rest(1h);
+    CHECK(device.enabled());
+    CHECK(device.trips() == 0);
+    INFO("longest silence " << device.longest_silence() / 1us << " us");
+    CHECK(device.longest_silence() < watchdog);
+    CHECK(channel->retransmissions() > 0);
+}
+
+TEST_CASE("virtual time: a device is driven in steps, without a thread") {
+    VirtualClock clock;
+    FakeDevice device;
+    const auto open = [&] { return std::make_unique<TimedLine>(device, TimedLine::Settings{}, clock); };
+    const auto steps = std::make_shared<link::DeviceSteps>(link::DeviceSettings{.open = open, .clock = clock});
+    const auto until = [&](const std::function<bool()>& so) {
+        for (const Clock::Time end = clock.now() + 10s; !so();) {
+            REQUIRE(clock.now() < end);
+            const auto next = steps->step();
+            REQUIRE(next);
+            clock.rest_until(*next);
+        }
+    };
+    until([&] { return steps->state().connection == link::Connection::connected; });
+    const auto channel = steps->channel(0ms);
+    channel->submit({interface::Command::enable, {}});
+    until([&] { return device.enabled(); });
+    const Clock::Time asked = clock.now();
+    const std::uint64_t stop = steps->shut_off();
+    until([&] { return steps->state().confirmed == stop; });
+    CHECK_FALSE(device.enabled());
+    CHECK(clock.now() - asked < 1ms);
+    REQUIRE_THROWS_AS(channel->enable(), Error);
+    steps->end();
+    for (auto next = steps->step(); next; next = steps->step()) clock.rest_until(*next);
+    CHECK(clock.now() - asked < 3ms);
+}
