@@ -222,6 +222,10 @@ class Session:
         one = self._queue[place]
         if one.reply or reply.command != one.request.command:
             return
+        # What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.
+        if reply.status == Status.SESSION_ENDED:
+            self._forget()
+            raise device_error(self._line.path, "the board has ended the session, as after anybody's DISABLE or a lost link, and its outputs are off")
         if reply.status == Status.OUT_OF_ORDER:
             self._count_strange(place)
             self._mend_gap()

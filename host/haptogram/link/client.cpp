@@ -162,6 +162,9 @@ void Client::take(const Reply& reply) {
     if (place >= std::min<std::size_t>(queue_.size(), transport_.window()) || queue_[place].reply ||
         reply.command != queue_[place].request.command)
         return;
+    // What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.
+    if (reply.status == interface::Status::session_ended)
+        lose("it has ended the session, as after anybody's DISABLE or a lost link, and its outputs are off");
     if (reply.status == interface::Status::out_of_order) {
         if (!of_this_round) return;  // it has been sent again since
         // A frame before it was lost. But nothing comes before the first of the queue: the device has forgotten us.
