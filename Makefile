@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep deep-build demo test browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
+.PHONY: help setup build check deep deep-build demo real-time test browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -39,10 +39,18 @@ demo: ## shape → image → simulated FPGA → focus in the air: table and pict
 	@$(PYTHON) tools/demo.py --program build/$(DEMO)/host/cli/haptogram --output build/demo
 
 # The same random numbers in each run, so that who changes something is told of that and not of a rare case that was there before;
-# SEED= takes others, as CI does each night. TRIES=2 runs a test that failed once more, for machines that do other things meanwhile.
+# SEED= takes others, as CI does each night. Each size of test is labels of ctest: tests/README.md says which case has which.
 SEED ?= 1
-test: build ## every test but those of `make deep`, `make browser` and `make mutants`: units, co-simulation, command line, proofs, lint
-	@HAPTOGRAM_SEED=$(SEED) ctest --preset $(PRESET) -j 2 -E '^studio_browser$$' --repeat until-pass:$(or $(TRIES),1)
+CTEST := HAPTOGRAM_SEED=$(SEED) ctest --preset $(PRESET)
+check: build ## while working, 90 s: the way from a shape to its field, contracts of the small core, units
+	@$(CTEST) -j 2 -L '^(unit|check)$$'
+	@$(CTEST) -j 2 -R '^cosim/contract [1-6]'
+
+test: build ## every capability and contract, the same on any machine: units, co-simulation, command line, proofs, lint; not the deep ones
+	@$(CTEST) -j 2 -LE '^(check|deep|real-time|studio_browser)$$'
+
+real-time: build ## what needs this machine's own time, alone: its figures beside their targets; fails beyond three times those
+	@$(CTEST) -L '^real-time$$' -V
 
 # Software WebGL wants a processor to itself, and some minutes; a file that fails is run once more (tests/studio/run.mjs).
 browser: build ## the studio's page in Chromium; not part of `make test`
@@ -61,7 +69,8 @@ mutants: deep-build ## would the tests notice a fault in the RTL; not part of `m
 
 # The contracts' cases again, on the netlists of a small core and of the core as it is placed for a board, which must be within its
 # budget; what the cases reach of the RTL; every reader and parser under a fuzzer. All of it takes longer than `make test`, so it is not part of that.
-deep: deep-build ## netlists, budgets, coverage, fuzzers, long proofs and planted bugs; not part of `make test`
+deep: build deep-build ## netlists, budgets, coverage, fuzzers, long proofs, planted bugs, other builds; not part of `make test`
+	@$(CTEST) -L '^deep$$'
 	@ctest --preset deep -j 2 -E '^mutation$$'
 
 deep-build: build/boards/ice40-hx8k-breakout/report.json
@@ -101,7 +110,7 @@ soak: build ## torture of the link, boards on one wire, reference board and fuzz
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_carrier_edges --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_net_core 'stream*' --durations yes
 	@HAPTOGRAM_SOAK=1 HAPTOGRAM_MODEL=rtl $(BUILD)/tests/test_tiles --durations yes
-	@HAPTOGRAM_MODEL=rtl HAPTOGRAM_PROGRAM=$(CURDIR)/$(BUILD)/host/cli/haptogram $(PYTHON) -m pytest -q -p no:cacheprovider tests/cli tests/python
+	@HAPTOGRAM_MODEL=rtl HAPTOGRAM_ARRAYS=12 HAPTOGRAM_CASES=2 HAPTOGRAM_PROGRAM=$(CURDIR)/$(BUILD)/host/cli/haptogram $(PYTHON) -m pytest -q -p no:cacheprovider -m 'not real_time' tests/cli tests/python
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 
