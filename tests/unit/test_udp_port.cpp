@@ -33,7 +33,9 @@ public:
     void answer(interface::Command command, const udp::endpoint& to) {
         std::vector<std::uint8_t> bytes = open_question(command);
         bytes[2] |= 0x80U;
-        bytes.resize(4 + 2 * interface::identity_words + 6);
+        const std::vector<std::uint8_t> identity = identity_block();
+        bytes.insert(bytes.end(), identity.begin(), identity.end());
+        bytes.resize(bytes.size() + 6);  // its counters
         socket_.send_to(boost::asio::buffer(bytes), to);
     }
 
