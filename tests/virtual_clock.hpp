@@ -14,8 +14,8 @@ namespace haptogram::test {
 /// A time that passes only while all threads that live in it wait: then it is at once when the first of them waits for.
 /// One thread runs at a time, and always in the same order. So what a test says of time holds exactly, and takes none.
 ///
-/// Whoever makes it runs first. Other threads come from begin(). A thread must not wait in any other way for another one,
-/// and so must not rest while it holds a mutex that another one takes.
+/// Whoever makes it runs first. Other threads come from begin(). A thread must not wait in any other way for another
+/// one, and so must not rest while it holds a mutex that another one takes.
 class VirtualClock final : public link::Clock {
     using Lock = std::unique_lock<std::mutex>;
 

@@ -46,7 +46,8 @@ public:
             lines_.push_back(std::make_unique<sim::TileTransport>(boards_, i));
             clients_.push_back(std::make_unique<link::Client>(*lines_.back()));
             clients_.back()->identify();
-            tiles_.push_back({*clients_.back(), no_image_, link::name_of_tile(i, std::string(link::reference_prefix) + configuration)});
+            tiles_.push_back({*clients_.back(), no_image_,
+                              link::name_of_tile(i, std::string(link::reference_prefix) + configuration)});
             elements_.push_back(rig.arrays[i].array.elements.size());
         }
         boards_.board(0).on_cycle_start([this](const sim::CycleStart& c) {

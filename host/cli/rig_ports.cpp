@@ -39,7 +39,8 @@ CLI::Option* add_rig_port_options(CLI::App& sub, RigPorts& ports) {
     sub.add_option("--port", ports.ports,
                    "Serial port of the board, or of 'haptogram board run', ftdi:[VID:PID[:SERIAL]], "
                    "udp:ADDRESS[:PORT], or reference:NAME[=IMAGE] for a simulated one with an image in its memory; #N "
-                   "behind it is tile N of a chain; with --rig one for each tile, in their order, or one that leads to a chain of "
+                   "behind it is tile N of a chain; with --rig one for each tile, in their order, or one that leads to "
+                   "a chain of "
                    "them, unless the rig's file names them")
         ->expected(1)
         ->allow_extra_args(false)  // what stands behind its value may be a file

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/compile.hpp"
 
@@ -261,6 +262,7 @@ Json Verbs::act(const Json& request, Client client) {
 }
 
 bool Verbs::ends(const std::string& request) {
+    if (!is_shallow(request)) return false;
     const Json parsed = Json::parse(request, nullptr, false);
     return parsed.is_object() && parsed.contains("do") && parsed["do"].is_string() &&
            std::ranges::find(ending_verbs, parsed["do"].get<std::string>()) != std::end(ending_verbs);
@@ -270,6 +272,7 @@ Json Verbs::answer(const std::string& request, Client client) {
     Json id;
     Json said;
     try {
+        require_shallow(request, "request");
         const Json parsed = Json::parse(request, nullptr, false);
         if (!parsed.is_object()) throw bad_input("request", "expected a JSON object such as {\"do\": \"status\"}");
         if (parsed.contains("id")) id = parsed["id"];

@@ -5,6 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include "haptogram/base/depth.hpp"
+
 namespace haptogram::studio {
 namespace {
 
@@ -42,7 +44,7 @@ void Guest::say(const ordered_json& line) {
 }
 
 void Guest::show(std::string_view line) const {
-    ordered_json shown = ordered_json::parse(line, nullptr, false);
+    ordered_json shown = is_shallow(line) ? ordered_json::parse(line, nullptr, false) : ordered_json();
     if (shown.is_object() && (shown.contains("show") || shown.contains("scene")))
         return settings_.shown(std::move(shown));
     // What it says on standard error, as in a terminal.

@@ -140,7 +140,8 @@ void Player::take_back() {
     const auto told = [this, listened_to](const link::DeviceState& state) {
         if (*listened_to) settings_.told(state);
     };
-    auto device = std::make_shared<link::DeviceThread>(link::DeviceThread::Settings{.open = open_, .told = told, .clock = settings_.clock});
+    auto device = std::make_shared<link::DeviceThread>(
+        link::DeviceThread::Settings{.open = open_, .told = told, .clock = settings_.clock});
     const std::lock_guard lock(mutex_);
     device_ = std::move(device);
     listened_to_ = listened_to;
@@ -296,7 +297,8 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link:
         bring(device, "play", number, *scene, report);
         link::Intensity intensity(scene->compiled.bundle.image);
         const auto fired =
-            parts.empty() ? nullptr : std::make_shared<Fired>(parts.size(), reader(*scene, text.get(), number), settings_.clock);
+            parts.empty() ? nullptr
+                          : std::make_shared<Fired>(parts.size(), reader(*scene, text.get(), number), settings_.clock);
         {
             const std::lock_guard lock(mutex_);
             playing_ = scene;

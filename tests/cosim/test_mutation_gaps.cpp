@@ -299,7 +299,7 @@ TEST_CASE("contract 7: every power of two is a cycle length and a prescaler", "[
     }
 }
 
-TEST_CASE("contract 7: no bit of the counter or the prescaler is overlooked", "[contract7][long]") {
+TEST_CASE("contract 7: no bit of the counter or the prescaler is overlooked", "[contract7][long][deep]") {
     const auto [cycle, prescaler] = GENERATE(table<std::uint32_t, std::uint32_t>({{0x800000, 1}, {1, 0x800000}}));
     CAPTURE(cycle, prescaler);
     Bench bench;

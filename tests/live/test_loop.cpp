@@ -608,8 +608,7 @@ TEST_CASE("live: a wall in the picture keeps neither the line nor the watchdog w
     live::DepthFrames source(simulated);
     const Array array = find_array("tile-10x10");
     Slow feeler(array, clock, cameras);
-    live::RingPlayer player(client, clock, array, on_a_cube().ring.points, Method::distance_weighted,
-                            watchdog_ms);
+    live::RingPlayer player(client, clock, array, on_a_cube().ring.points, Method::distance_weighted, watchdog_ms);
     std::size_t felt_before = 0, felt_after = 0;
     live::LoopReport report;
     {

@@ -79,6 +79,7 @@ struct Bench {
                 ++wrong;
         });
     }
+
 private:
     std::uint64_t begun_ = 0;
     std::vector<long> rises_;

@@ -169,7 +169,7 @@ TEST_CASE("reference tiles: their cycles begin at the clocks of Verilated ones")
     }
 }
 
-TEST_CASE("reference tiles: pulses of whole boards stay together for a million cycles") {
+TEST_CASE("reference tiles: pulses of whole boards stay together for a million cycles", "[deep]") {
     const bool one_clock = GENERATE(false, true);
     const std::size_t boards = GENERATE(4, 9);
     constexpr std::size_t cycles = 1'000'000;

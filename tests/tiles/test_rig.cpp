@@ -154,7 +154,7 @@ TEST_CASE("rig: when a tile falls silent while it plays, all go off, or the othe
     }
 }
 
-TEST_CASE("rig: tiles behind one line play together, and one that is cut off is named") {
+TEST_CASE("rig: tiles behind one line play together, and one that is cut off is named", "[deep]") {
     std::mt19937 g(Catch::rngSeed());
     const bool go_on = g() % 2 == 0;
     Pair pair(g, ImageKind::records, true);

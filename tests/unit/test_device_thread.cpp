@@ -4,11 +4,11 @@
 #include <optional>
 #include <thread>
 
+#include "../virtual_clock.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/device_thread.hpp"
 #include "haptogram/link/stream.hpp"
 #include "haptogram/link/transfer.hpp"
-#include "../virtual_clock.hpp"
 #include "timed_line.hpp"
 
 using namespace haptogram;
@@ -188,12 +188,12 @@ TEST_CASE("device thread: after an unplug it connects again with outputs off, an
     unsigned losses = 0;
     link::UploadReport report;
     std::thread uploading = clock.begin([&] {
-        report = link::upload(
-            [&] { return thread.channel(); }, image(1),
-            {.image = "image", .port = "port", .verify = true, .lost = [&](const link::LinkLost&, double) {
-                 ++losses;
-                 *cut = false;
-             }});
+        report =
+            link::upload([&] { return thread.channel(); }, image(1),
+                         {.image = "image", .port = "port", .verify = true, .lost = [&](const link::LinkLost&, double) {
+                              ++losses;
+                              *cut = false;
+                          }});
     });
     REQUIRE(eventually(clock, [&] {
         const auto log = device.log();

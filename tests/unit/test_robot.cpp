@@ -462,7 +462,8 @@ TEST_CASE("robot: tensions take 20 µs at most, a workspace of 27 turns a second
                                       }
                                   }) /
                            batch;
-        test::compare(fmt::format("tensions of eight cables, choice {}", static_cast<int>(choice)), one * 1e6, 20.0, "µs");
+        test::compare(fmt::format("tensions of eight cables, choice {}", static_cast<int>(choice)), one * 1e6, 20.0,
+                      "µs");
         REQUIRE(sum > 0.0);
     }
     const double whole = best_s(3, [&] { (void)workspace(geometry, 0.030, Turns::all_axes, 15 * degree); });

@@ -100,6 +100,7 @@ TEST_CASE("serial port: one that takes no bytes is given up, after a signal soon
         signals = asked;
         const test::StopWatch watch;
         CHECK_THROWS_WITH(port.write(more), Contains("takes no bytes"));
-        test::compare(fmt::format("a port that takes no bytes, after {} signals", asked), watch.seconds(), seconds, "s");
+        test::compare(fmt::format("a port that takes no bytes, after {} signals", asked), watch.seconds(), seconds,
+                      "s");
     }
 }

@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 #include <map>
 
+#include "../virtual_clock.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/step_player.hpp"
-#include "../virtual_clock.hpp"
 #include "message_of.hpp"
 #include "timed_line.hpp"
 

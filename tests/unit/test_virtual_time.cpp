@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "../virtual_clock.hpp"
 #include "haptogram/base/error.hpp"
@@ -140,4 +141,14 @@ TEST_CASE("virtual time: a device is driven in steps, without a thread") {
     steps->end();
     for (auto next = steps->step(); next; next = steps->step()) clock.rest_until(*next);
     CHECK(clock.now() - asked < 3ms);
+}
+
+TEST_CASE("virtual time: who rests until a time finds that it has come, whatever digits it has", "[link]") {
+    VirtualClock clock;
+    for (double s = 0.1; s < 1e7; s *= 1.37)
+        for (const double until_s : {s, std::nextafter(s, 0.0), std::nextafter(s, 1e9), std::round(s * 1e9) * 1e-9}) {
+            clock.rest_until_s(until_s);
+            REQUIRE(clock.now_s() >= until_s);
+            CHECK(clock.now_s() < until_s + 2e-9 + 4e-16 * until_s);
+        }
 }

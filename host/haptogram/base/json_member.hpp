@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 
 /// What the readers of JSON files share. Not installed: no public header includes it.
@@ -18,6 +19,7 @@ namespace haptogram {
 
 /// @throws Error{bad_input} naming the byte at which the text stops being JSON, or a number that no double can hold
 [[nodiscard]] inline nlohmann::ordered_json parse_json(std::string_view text, const std::string& file) {
+    require_shallow(text, file);
     try {
         return nlohmann::ordered_json::parse(text);
     } catch (const nlohmann::json::parse_error& error) {

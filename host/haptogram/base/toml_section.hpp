@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 
@@ -37,6 +38,7 @@ inline std::string found(const toml::node& node) {
 /// @param file  names the text in messages
 /// @throws Error{bad_input} naming the line
 inline toml::table parse_text(std::string_view text, const std::string& file) {
+    require_shallow(text, file);
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {

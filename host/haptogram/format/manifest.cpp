@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
 
@@ -266,6 +267,7 @@ ordered_json to_json(const Manifest& m) {
 std::string to_text(const Manifest& manifest) { return to_json(manifest).dump(1) + "\n"; }
 
 Manifest manifest_from_json(std::string_view text, const std::string& where) {
+    require_shallow(text, where);
     try {
         const ordered_json json = ordered_json::parse(text);
         if (json.at("format") != "haptogram-manifest-1")

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 
@@ -98,7 +99,9 @@ std::string text_member(const ordered_json& json, const char* key, const std::st
 bool has_format(const ordered_json& json) { return json.is_object() && json.value("format", ordered_json()) == format; }
 
 ordered_json parsed(const std::string& path) {
-    ordered_json json = ordered_json::parse(read_file(path), nullptr, false);
+    const std::string text = read_file(path);
+    require_shallow(text, path);
+    ordered_json json = ordered_json::parse(text, nullptr, false);
     if (!has_format(json))
         throw bad_input(path,
                         fmt::format("it is no rig manifest, whose format is {}; give the .json file that haptogram "
@@ -195,7 +198,9 @@ std::vector<std::pair<std::filesystem::path, std::string>> files_of(const RigBun
     return files;
 }
 
-bool is_rig_manifest(std::string_view text) { return has_format(ordered_json::parse(text, nullptr, false)); }
+bool is_rig_manifest(std::string_view text) {
+    return is_shallow(text) && has_format(ordered_json::parse(text, nullptr, false));
+}
 
 RigBundle load_rig_bundle(const std::string& path) {
     const ordered_json json = parsed(path);

@@ -130,6 +130,11 @@ void BackgroundPlayer::play_patterns(const BackgroundPlay& how) {
     require_unset(how.loops.has_value(), "loops", "live patterns, which have no end");
     require_unset(how.step_s.has_value(), "step_s", "live patterns, of which each lasts one carrier period");
     begin_live(how, 1.0 / pattern_period_s, [this, how](Commands& device, const Told& told) {
+        if (device.identity().channels != patterns_.words())
+            throw Error(ErrorCode::device, "board",
+                        fmt::format("another one answers behind this port: it has {} channels, expected the {} of the "
+                                    "one that was opened; open the port again",
+                                    device.identity().channels, patterns_.words()));
         const PatternSource source = [this, age = most_age(how)](std::uint64_t, std::span<std::uint16_t> patterns) {
             return std::optional(patterns_.take(patterns, age));
         };

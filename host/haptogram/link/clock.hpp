@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -40,8 +41,12 @@ public:
     [[nodiscard]] double seconds_since(Time begin) const { return seconds(now() - begin); }
 
     [[nodiscard]] static double seconds(Time time) { return std::chrono::duration<double>(time).count(); }
-    [[nodiscard]] static Time time(double seconds) {
-        return std::chrono::ceil<Time>(std::chrono::duration<double>(seconds));
+    /// The first that is not before so many seconds, which have more digits.
+    [[nodiscard]] static Time time(double of_seconds) {
+        of_seconds = std::min(of_seconds, 4e9);  // beyond which nanoseconds have no number, and nobody waits
+        auto found = std::chrono::ceil<Time>(std::chrono::duration<double>(of_seconds));
+        while (seconds(found) < of_seconds) ++found;
+        return found;
     }
 };
 

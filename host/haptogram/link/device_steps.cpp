@@ -19,7 +19,7 @@ namespace {
 using Lock = std::unique_lock<std::mutex>;
 
 constexpr std::chrono::milliseconds longest_read{5};       // until new requests and shut_off() are looked at again
-constexpr std::chrono::milliseconds longest_off{20};        // the same while they are shut off already
+constexpr std::chrono::milliseconds longest_off{20};       // the same while they are shut off already
 constexpr std::chrono::milliseconds polite_patience{500};  // for what a channel ends by itself
 constexpr std::chrono::hours long_wait{1};                 // for what is told of when it comes
 
@@ -155,9 +155,8 @@ bool DeviceSteps::ending() const {
 /// Whether a step is due at once. The mutex is held.
 bool DeviceSteps::has_work() const {
     if (phase_ == Phase::closed) return ending_;
-    return urgent_ || ending_ || std::ranges::any_of(boxes_, [](const auto& box) {
-               return !box->queued.empty() || !box->told.empty();
-           });
+    return urgent_ || ending_ ||
+           std::ranges::any_of(boxes_, [](const auto& box) { return !box->queued.empty() || !box->told.empty(); });
 }
 
 void DeviceSteps::run() {
@@ -381,8 +380,7 @@ public:
             }
             if (box_->unanswered() <= most_unanswered) return;
             clock().wait_for(lock, box_->news, long_wait, [&] {
-                return box_->closed || box_->refusal || !box_->answers.empty() ||
-                       box_->unanswered() <= most_unanswered;
+                return box_->closed || box_->refusal || !box_->answers.empty() || box_->unanswered() <= most_unanswered;
             });
         }
     }

@@ -179,6 +179,9 @@ PlayedPatterns play_patterns(Commands& device, const PatternSettings& settings, 
                 const std::optional<std::size_t> filled = source(following, patterns);
                 more = filled.has_value();
                 if (!more) end = following;
+                if (filled.value_or(0) > count)
+                    throw bad_argument("source",
+                                       fmt::format("it filled in {} patterns, expected {} at most", *filled, count));
                 count = filled.value_or(count);
             }
             if (more && count > 0) {

@@ -30,9 +30,9 @@ using OpenReference = std::function<std::unique_ptr<Transport>(const std::string
 void set_reference_boards(OpenReference open);
 inline constexpr std::string_view reference_prefix = "reference:";
 
-/// Opens the port of that name: a simulated board when the name begins with "reference:", an FTDI chip when the name begins with "ftdi:", a board on a network when with "udp:",
-/// else a serial port. With "#2" at its
-/// end, the second tile of a chain behind it; those of one process share the port.
+/// Opens the port of that name: a simulated board when the name begins with "reference:", an FTDI chip when the name
+/// begins with "ftdi:", a board on a network when with "udp:", else a serial port. With "#2" at its end, the second
+/// tile of a chain behind it; those of one process share the port.
 /// @throws Error{bad_argument} when there is no such number of a tile
 /// @throws Error{device} as FtdiPort and SerialPort do, and when this build leaves FTDI out
 [[nodiscard]] std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud);

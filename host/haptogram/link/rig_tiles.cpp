@@ -179,7 +179,8 @@ void PlayingTiles::ask() {
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || !answers[i]) continue;
         std::string why = unfit(*answers[i], before_[i], on_);
-        if (why.empty() && !counts_[i].goes_on(answers[i]->period, tiles_[i].device.clock().now())) why = stands_still(*answers[i]->period);
+        if (why.empty() && !counts_[i].goes_on(answers[i]->period, tiles_[i].device.clock().now()))
+            why = stands_still(*answers[i]->period);
         if (why.empty())
             statuses_[i] = answers[i];
         else

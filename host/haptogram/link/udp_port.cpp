@@ -108,6 +108,15 @@ struct UdpPort::Socket {
 
 struct UdpPort::Sockets {
     Socket frames, open;
+    udp::endpoint at_open_port;
+
+    /// From a port of its own, which answers to earlier questions do not reach.
+    void ask_anew() {
+        error_code ignored;
+        open.socket.close(ignored);
+        open.open();
+        open.socket.connect(at_open_port);
+    }
 };
 
 bool names_udp(std::string_view name) { return name.starts_with(scheme); }
@@ -147,9 +156,9 @@ UdpPort::UdpPort(const std::string& name) : name_(name), sockets_(std::make_uniq
         to.port(target.port);
         sockets_->frames.open();
         sockets_->frames.socket.connect(to);
-        to.port(static_cast<std::uint16_t>(target.port + 1));
-        sockets_->open.open();
-        sockets_->open.socket.connect(to);
+        sockets_->at_open_port = to;
+        sockets_->at_open_port.port(static_cast<std::uint16_t>(target.port + 1));
+        sockets_->ask_anew();
     } catch (const boost::system::system_error& no) {
         throw Error(ErrorCode::device, name, fmt::format("there is no way to it: {}", no.code().message()));
     }
@@ -200,18 +209,25 @@ std::vector<std::uint8_t> UdpPort::read(std::chrono::microseconds patience) {
     return all;
 }
 
+/// What the board has answered to an earlier question says nothing about its outputs now.
 void UdpPort::send_break() {
     flush();
-    off_asked_ = true;
+    sockets_->ask_anew();
     off_ = false;
-    send(sockets_->open, open_question(Command::disable));
+    ask_off();
     send(sockets_->open, open_question(Command::stop));
 }
 
+void UdpPort::ask_off() {
+    send(sockets_->open, open_question(Command::disable));
+    asked_off_ = machine_clock().now();
+}
+
+/// A copy goes out only when an answer is overdue, so that few are under way behind the answer.
 bool UdpPort::break_has_acted() {
-    if (!off_asked_ || off_) return off_;
+    if (!asked_off_ || off_) return off_;
     off_ = open_answer(Command::disable, std::chrono::microseconds(0)).has_value();
-    if (!off_) send(sockets_->open, open_question(Command::disable));
+    if (!off_ && machine_clock().now() - *asked_off_ >= patience()) ask_off();
     return off_;
 }
 

@@ -65,12 +65,14 @@ private:
     struct Sockets;
 
     void send(Socket& socket, std::span<const std::uint8_t> bytes);
+    void ask_off();
     [[nodiscard]] std::optional<AboutBoard> open_answer(interface::Command command, std::chrono::microseconds patience);
 
     std::string name_;
     std::unique_ptr<Sockets> sockets_;
-    std::vector<std::uint8_t> waiting_;  // whole frames of the next datagram
-    bool off_asked_ = false, off_ = false;
+    std::vector<std::uint8_t> waiting_;     // whole frames of the next datagram
+    std::optional<Clock::Time> asked_off_;  // when the question went out last
+    bool off_ = false;
 };
 
 /// The boards that answer a question to all on every network of this machine, and on this machine itself, within so

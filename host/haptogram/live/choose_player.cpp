@@ -40,8 +40,8 @@ void require_common_period(const Timer& timer, const link::Identity& board) {
                                            made, wanted, common_hz));
 }
 
-ChosenPlayer with_foci(link::Commands& device, link::Clock& clock, const Array& array,
-                       const PlayerOptions& options, const Line& line) {
+ChosenPlayer with_foci(link::Commands& device, link::Clock& clock, const Array& array, const PlayerOptions& options,
+                       const Line& line) {
     auto player =
         std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms, options.parts);
     const FocusPace pace = player->pace();
@@ -60,8 +60,8 @@ ChosenPlayer with_foci(link::Commands& device, link::Clock& clock, const Array& 
     return {std::move(player), std::move(about), 0.0, std::move(shortfall)};
 }
 
-ChosenPlayer with_records(link::Commands& device, link::Clock& clock, const Array& array,
-                          const PlayerOptions& options, const Line& line) {
+ChosenPlayer with_records(link::Commands& device, link::Clock& clock, const Array& array, const PlayerOptions& options,
+                          const Line& line) {
     const link::Identity& board = device.identity();
     if (options.slow)
         throw Error(ErrorCode::device, "board",

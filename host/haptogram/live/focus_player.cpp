@@ -35,9 +35,8 @@ Timer timer_for(const link::Commands& device, const Array& array) {
 
 }  // namespace
 
-FocusPlayer::FocusPlayer(link::Commands& device, link::Clock& clock, const Array& array,
-                         const FocusPace& wanted, const Line& line, std::uint16_t watchdog_ms,
-                         const std::vector<DevicePart>& parts)
+FocusPlayer::FocusPlayer(link::Commands& device, link::Clock& clock, const Array& array, const FocusPace& wanted,
+                         const Line& line, std::uint16_t watchdog_ms, const std::vector<DevicePart>& parts)
     : Player(device, clock, timer_for(device, array), watchdog_ms) {
     choose_pace(wanted, line);
     Array rest = array;

@@ -62,8 +62,8 @@ Path in_steps(const Path& path, std::size_t count) {
 
 }  // namespace
 
-RingPlayer::RingPlayer(link::Commands& device, link::Clock& clock, const Array& array, std::size_t steps,
-                       Method method, std::uint16_t watchdog_ms, const std::vector<DevicePart>& parts)
+RingPlayer::RingPlayer(link::Commands& device, link::Clock& clock, const Array& array, std::size_t steps, Method method,
+                       std::uint16_t watchdog_ms, const std::vector<DevicePart>& parts)
     : Player(device, clock, choose_timer(array, Core{device.identity().name, device.identity().core()}), watchdog_ms),
       array_(array),
       parts_(parts.empty() ? one_part(device, array) : parts),

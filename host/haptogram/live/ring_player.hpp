@@ -29,8 +29,8 @@ public:
     /// @param watchdog_ms  of the device, which hears from here in time, silent or not
     /// @param parts   of the device, each with the elements of its own; none: it is one board
     /// @throws Error{bad_input} when a board has too few channels for the array, or too few records or FIFO places
-    RingPlayer(link::Commands& device, link::Clock& clock, const Array& array, std::size_t steps,
-               Method method, std::uint16_t watchdog_ms = 500, const std::vector<DevicePart>& parts = {});
+    RingPlayer(link::Commands& device, link::Clock& clock, const Array& array, std::size_t steps, Method method,
+               std::uint16_t watchdog_ms = 500, const std::vector<DevicePart>& parts = {});
 
     /// What plays goes on until the new ring is complete.
     /// @param ring  without a modulation; one of other steps is played in those of all rings

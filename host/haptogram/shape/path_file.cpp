@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "haptogram/array/millimetres.hpp"
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/json_member.hpp"
@@ -191,6 +192,7 @@ Path path_from_csv(std::string_view text, const std::string& where, double carri
 }
 
 bool is_path_json(std::string_view text) {
+    if (!is_shallow(text)) return false;
     const ordered_json json = ordered_json::parse(text, nullptr, false);
     return json.is_object() && json.value("format", ordered_json()) == format_name;
 }

@@ -11,7 +11,11 @@ namespace haptogram {
 
 TriggerReader::TriggerReader(std::vector<Trigger> triggers, std::optional<LiveText> lines, Told told,
                              link::Clock& clock)
-    : triggers_(std::move(triggers)), fired_by_(triggers_), text_(std::move(lines)), told_(std::move(told)), clock_(clock) {}
+    : triggers_(std::move(triggers)),
+      fired_by_(triggers_),
+      text_(std::move(lines)),
+      told_(std::move(told)),
+      clock_(clock) {}
 
 std::optional<std::size_t> TriggerReader::next(std::chrono::milliseconds patience) {
     constexpr std::chrono::milliseconds look{1};

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "haptogram/array/millimetres.hpp"
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
@@ -171,6 +172,7 @@ void require_pin(std::span<const Trigger> triggers, const Core& core) {
 
 std::vector<std::size_t> TriggerLines::fired(std::string_view line, const std::string& where) {
     std::vector<std::size_t> numbers;
+    require_shallow(line, where);
     if (line.starts_with('{')) try {
             const nlohmann::json scene = nlohmann::json::parse(line);
             const nlohmann::json& version = scene.at("scene");

@@ -11,6 +11,7 @@
 
 #include "failure.hpp"
 #include "field_request.hpp"
+#include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/hand/object.hpp"
@@ -78,6 +79,7 @@ Answer document_answer(const Scenes& scenes, const std::string& given) {
 
 /// A document as a project file's text, for a page that saves one.
 Answer project_answer(const Scenes& scenes, const std::string& body) {
+    require_shallow(body, "document");
     const ordered_json document = ordered_json::parse(body, nullptr, false);
     if (document.is_discarded()) throw bad_input("document", "it is no JSON; send the document as the page has it");
     const Project project = project_from_toml(toml_of(document), "project");
