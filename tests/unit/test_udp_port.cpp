@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "haptogram/link/udp_port.hpp"
+#include "lying_board.hpp"
 
 using namespace haptogram;
 using namespace haptogram::link;
@@ -33,7 +34,7 @@ public:
     void answer(interface::Command command, const udp::endpoint& to) {
         std::vector<std::uint8_t> bytes = open_question(command);
         bytes[2] |= 0x80U;
-        const std::vector<std::uint8_t> identity = identity_block();
+        const std::vector<std::uint8_t> identity = test::identity_block();
         bytes.insert(bytes.end(), identity.begin(), identity.end());
         bytes.resize(bytes.size() + 6);  // its counters
         socket_.send_to(boost::asio::buffer(bytes), to);
