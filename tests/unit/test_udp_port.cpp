@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "haptogram/link/udp_port.hpp"
+#include "lying_board.hpp"
 
 using namespace haptogram;
 using namespace haptogram::link;
