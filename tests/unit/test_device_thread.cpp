@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A device in a thread of its own: what shut_off() overtakes and how fast, losses, refusals, and the end.
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <optional>
 #include <thread>
@@ -246,6 +247,20 @@ TEST_CASE("device thread: what keeps it from connecting is told", "[link][thread
     REQUIRE_THROWS_WITH(thread.channel(100ms), Catch::Contains("/dev/none: cannot be opened"));
     REQUIRE(thread.state().connection == Connection::connecting);
     REQUIRE_FALSE(thread.wait_off(thread.shut_off(), 10ms));
+}
+
+TEST_CASE("device thread: it ends although the search for its port is interrupted each time", "[link][thread]") {
+    VirtualClock clock;
+    std::atomic<int> opened = 0;
+    link::DeviceThread thread({.open = [&]() -> std::unique_ptr<link::Transport> {
+                                   ++opened;
+                                   throw link::Interrupted();
+                               },
+                               .clock = clock});
+    clock.rest(1s);
+    CHECK(opened == 5);  // each 200 ms
+    thread.end();
+    CHECK(opened <= 6);
 }
 
 TEST_CASE("device thread: a listener that throws shuts the outputs off", "[link][thread]") {

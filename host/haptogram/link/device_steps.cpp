@@ -185,7 +185,8 @@ std::optional<Clock::Time> DeviceSteps::step() {
         } else {
             begin();
         }
-    } catch (const Interrupted&) {  // by what is urgent
+    } catch (const Interrupted& urgent) {  // by what is to be done next, unless there is no port to do it through
+        if (phase_ == Phase::closed) lose(urgent.what());
     } catch (const std::exception& error) {
         client_.reset();
         port_.reset();
