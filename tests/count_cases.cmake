@@ -2,7 +2,7 @@
 # Fails when ctest does not know every case of SOURCES as a test NAME/…: Catch2's listing would leave out silently what it could not list.
 set(written 0)
 foreach(source IN LISTS SOURCES)
-  file(STRINGS ${source} lines REGEX "^TEST_CASE\\(")
+  file(STRINGS ${source} lines REGEX "^TEST_CASE\\(" ENCODING UTF-8)
   list(FILTER lines EXCLUDE REGEX "\\[(deep|real-time)\\]")  # of tests of their own
   list(LENGTH lines count)
   math(EXPR written "${written} + ${count}")

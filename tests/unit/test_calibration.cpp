@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <numbers>
@@ -47,7 +49,8 @@ double in_phase(const Array& array, Vec3 point) {
 }
 
 struct Written {
-    std::filesystem::path path = std::filesystem::temp_directory_path() / "haptogram_calibration.toml";
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("haptogram_calibration_" + std::to_string(getpid()) + ".toml");
     explicit Written(const std::string& text) { write_file(path, text); }
     Written(const Written&) = delete;
     Written& operator=(const Written&) = delete;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -94,7 +96,8 @@ std::string wav(const std::vector<double>& samples, std::uint32_t rate, unsigned
 }
 
 std::string in_temporary_file(const std::string& name, const std::string& content) {
-    const std::filesystem::path path = std::filesystem::temp_directory_path() / ("haptogram_test_waveform_" + name);
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("haptogram_test_waveform_" + std::to_string(getpid()) + "_" + name);
     write_file(path, content);
     return path.string();
 }
