@@ -55,9 +55,6 @@ struct haptogram_board {
 
 namespace {
 
-#ifdef HAPTOGRAM_HAS_HAND
-[[maybe_unused]] const bool plays_hands = (haptogram::use_hands(), true);
-#endif
 thread_local std::string last_error, last_remedies;
 
 haptogram_code code_of(ErrorCode code) {
@@ -168,6 +165,9 @@ haptogram::ShapeSource& shape_in(haptogram::Project& project, const haptogram_pr
 
 haptogram::Project project_for(const haptogram_project& given) {
     haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
+#ifdef HAPTOGRAM_HAS_HAND
+    wanted.makers = haptogram::path_makers();
+#endif
     if (given.folder != nullptr) wanted.folder = given.folder;
     if (given.shape != nullptr)
         shape_in(wanted, given).content = std::string(static_cast<const char*>(given.shape), given.shape_bytes);

@@ -7,6 +7,7 @@
 #include "command.hpp"
 #include "hands.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 #ifdef HAPTOGRAM_HAS_LIVE
 #include "live_board.hpp"
 #endif
@@ -72,7 +73,11 @@ void add_render(CLI::App& app, Action& action) { add_absent(app, action, "render
 void add_movement(CLI::App& app, Action& action) { add_absent(app, action, "movement", "hands", with_hand); }
 void add_interact(CLI::App& app, Action& action) { add_absent(app, action, "interact", "hands", with_hand); }
 void add_align(CLI::App& app, Action& action) { add_absent(app, action, "align", "hands", with_hand); }
-void use_hands_of_this_build() {}
+PathMakers path_makers() {
+    return {{}, [](Path& path, const Project& project, const Array& array) {
+                return perception::give_magnitude(path, project, array);
+            }};
+}
 std::function<HandSkin(Vec3)> skin_of_hand(const std::string&, const std::string&, std::size_t) {
     throw bad_argument("hand", fmt::format("this build has no hands; build with {}", with_hand));
 }

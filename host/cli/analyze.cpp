@@ -8,8 +8,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/perception/skin_force.hpp"
 #include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "level_options.hpp"
@@ -20,7 +20,7 @@
 namespace haptogram::cli {
 namespace {
 
-constexpr double contact_mm = perception::default_contact_m / millimetre;
+constexpr double contact_mm = default_contact_m / millimetre;
 
 struct AnalyzeOptions {
     SourceOptions what;

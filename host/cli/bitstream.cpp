@@ -26,7 +26,9 @@ int bitstream(BitstreamOptions options) {
     const bool in_flash = !options.empty && load_board(options.patch.board).sdram;
     if (in_flash && options.patch.rx_delay)
         throw bad_argument("rx-delay", "an image for the flash has no inputs; give it with --empty");
-    const Patched patched = in_flash ? flash_contents(options.patch) : patch(options.patch);
+    PatchOptions wanted = options.patch;
+    wanted.makers = path_makers();
+    const Patched patched = in_flash ? flash_contents(wanted) : patch(wanted);
     write_files({{options.output, patched.bitstream}, {beside, patched.manifest}});
     return 0;
 }

@@ -124,7 +124,7 @@ private:
 
 std::optional<Image> read_image(const std::string& path) {
     if (path.empty()) return {};
-    Image image = from_intel_hex(open_hex(path), path);
+    Image image = from_intel_hex(open_hex(path, path_makers()), path);
     require_playable(image, path);
     return image;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptogram/format/waveform.hpp"
+#include "haptogram/verbs/path_makers.hpp"
 
 namespace haptogram::cli {
 
@@ -51,6 +52,9 @@ void add_bitstream(CLI::App& app, Action& action);
 
 /// @return what --version says: the release, the commit of the sources, and what this build has
 [[nodiscard]] std::string about_this_build();
+
+/// What makes paths of hands and of magnitudes, as far as this build has it.
+[[nodiscard]] PathMakers path_makers();
 
 /// Gives ports of the name reference:NAME, if this build has simulated boards.
 void use_simulation_of_this_build();

@@ -50,6 +50,7 @@ Project project_of(const CompileOptions& options) {
         project = load_project(files.front());
         files.clear();
     }
+    project.makers = path_makers();
     for (const std::string& file : files) {
         if (file.empty()) throw bad_input("\"\"", "an input's name is empty; name a shape file or a project");
         ShapeSource source;

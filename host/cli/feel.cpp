@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/feel.hpp"
+#include "haptogram/perception/feel.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ struct FeelCommand {
     std::string normal = "0,0,-1", region = "palm", tables = "multimodal", output;
     std::string hand, hand_model;
     std::size_t places = 8, hand_frame = 1;
-    double contact_mm = perception::default_contact_m / millimetre, grip_n = 1.0;
+    double contact_mm = default_contact_m / millimetre, grip_n = 1.0;
     bool json = false;
 };
 

@@ -5,12 +5,9 @@
 #include <functional>
 #include <string>
 
-#include "haptogram/verbs/feel.hpp"
+#include "haptogram/perception/feel.hpp"
 
 namespace haptogram::cli {
-
-/// Lets projects have hands, if this build has them.
-void use_hands_of_this_build();
 
 /// The skin of the hands in a recording's frame, for `feel`.
 /// @throws as open_hands() and skin_of(); Error{bad_argument} naming "hand" in a build without them

@@ -123,7 +123,7 @@ void print(const Inspection& inspection) {
 }
 
 int inspect(const InspectOptions& options) {
-    const Inspection inspection = haptogram::inspect(open_hex(options.source.file), options.source.file);
+    const Inspection inspection = haptogram::inspect(open_hex(options.source.file, path_makers()), options.source.file);
     if (options.json)
         fmt::print("{}\n", to_json(inspection).dump(1));
     else

@@ -167,7 +167,6 @@ int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-    use_hands_of_this_build();
     use_simulation_of_this_build();
     CLI::App app(
         "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",

@@ -34,7 +34,7 @@ int run(const ServeOptions& given) {
     const auto open = [&] { return link::open_port(given.port); };
 #endif
     link::BackgroundPlayer board(open, std::chrono::seconds(10));
-    serve::Verbs verbs(board);
+    serve::Verbs verbs(board, path_makers());
     const auto listening = [&](std::uint16_t port) {
         const std::string address = fmt::format("ws://127.0.0.1:{}", port);
         if (given.json)

@@ -90,7 +90,9 @@ int simulate_board(const SimulateOptions& options) {
     if (options.json) outputs.push_back({"--json", "-"});
     if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
     require_distinct(files_of(options.source), outputs);
-    const Bundle bundle = open_bundle(options.source);
+    Source source = options.source;
+    source.makers = path_makers();
+    const Bundle bundle = open_bundle(source);
 
     sim::PlaybackOptions how;
     how.load_by_uart = options.load == "uart";

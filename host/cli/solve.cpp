@@ -53,7 +53,9 @@ Asked asked_of(const SolveCommand& command) {
             throw bad_argument("output",
                                "images of a rig are made for its boards: give the foci, and the rig with --rig");
         if (command.rig) throw bad_argument("rig", fmt::format("{} has an array of its own", file));
-        Timeline timeline = open_timeline(command.source);
+        Source source = command.source;
+        source.makers = path_makers();
+        Timeline timeline = open_timeline(source);
         Asked asked{{}, std::move(timeline.manifest.array), std::move(timeline.manifest.core), {}};
         for (RecordMeaning& record : timeline.manifest.records) asked.sets.push_back(std::move(record.foci));
         return asked;

@@ -49,6 +49,7 @@ Source source_of(const SourceOptions& options, const std::string& command) {
     Source source = options.source;
     if (!options.focus.empty()) source.focus = parse_point_mm("focus", options.focus);
     source.quantise = options.quantise.value_or("");
+    source.makers = path_makers();
     if (source.file.empty() && !source.focus && source.pulses.empty())
         throw bad_argument(command, fmt::format("expected an image or another file, --focus or --pulses; see "
                                                 "haptogram {} --help",

@@ -48,6 +48,7 @@ struct StreamOptions {
 
 Project project_of(const StreamOptions& options) {
     Project project;
+    project.makers = path_makers();
     project.path = options.path;
     project.array = options.array;
     project.board = options.board;

@@ -70,7 +70,7 @@ int upload(const UploadOptions& options) {
         throw bad_argument("image", "there is nothing to upload; name an image, or a rig with --rig");
     link::PortSettings port = options.ports.one();
     port.likely = likely_rate(settings.image);
-    const Image image = from_intel_hex(open_hex(settings.image), settings.image);
+    const Image image = from_intel_hex(open_hex(settings.image, path_makers()), settings.image);
     require_playable(image, settings.image);
     const link::UploadReport report = upload_to(port, image, settings, "upload");
     tell(to_json(report), options.json, sentence_of(report));

@@ -85,13 +85,14 @@ link::BackgroundPlay how_of(const Json& request) {
     return how;
 }
 
-Compiled compiled_of(const Json& request) {
+Compiled compiled_of(const Json& request, const PathMakers& makers) {
     Project project = project_from_toml(text_of(request, "project"), "project");
     require_no_files(project, "project");
     if (project.hand) throw bad_argument("project", "takes shapes only; send an image for others");
     for (const auto& name : {project.array, project.board})
         if (name && name->find('/') != std::string::npos)
             throw bad_argument("project", "takes shipped arrays and boards only, by their names");
+    project.makers = makers;
     return compile(project, "image");
 }
 
@@ -202,7 +203,7 @@ Json Verbs::status() const {
 }
 
 Json Verbs::compile(const Json& request) {
-    Compiled compiled = compiled_of(request);
+    Compiled compiled = compiled_of(request, makers_);
     board_.upload(compiled.bundle);
     return {{"records", compiled.bundle.image.records.size()}, {"warnings", compiled.warnings}};
 }

@@ -8,6 +8,7 @@
 
 #include "haptogram/format/bundle.hpp"
 #include "haptogram/link/background_player.hpp"
+#include "haptogram/verbs/path_makers.hpp"
 #include "osc.hpp"
 
 namespace haptogram::serve {
@@ -20,7 +21,7 @@ public:
     using Client = std::uint64_t;
     static constexpr Client osc = 0;  ///< all that come by datagrams, which say no more than that they come
 
-    explicit Verbs(link::BackgroundPlayer& board) : board_(board) {}
+    explicit Verbs(link::BackgroundPlayer& board, PathMakers makers = {}) : board_(board), makers_(std::move(makers)) {}
 
     /// Answers {"do": VERB, …}; asyncapi.json has them. What fails is an answer, too.
     [[nodiscard]] nlohmann::ordered_json answer(const std::string& request, Client client);
@@ -46,6 +47,7 @@ private:
     [[nodiscard]] Json status() const;
 
     link::BackgroundPlayer& board_;
+    PathMakers makers_;  // of a magnitude
     mutable std::mutex mutex_;
     std::optional<Client> owner_;
     link::Clock::Time last_osc_{};

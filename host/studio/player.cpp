@@ -283,7 +283,7 @@ std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
     return ask({.name = "upload", .act = act});
 }
 
-std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts,
+std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<TriggeredPart> parts,
                            const std::string& lines) {
     if (!lines.empty() && (parts.empty() || parts.size() != scene->settings.triggers.size()))
         throw bad_argument("lines",

@@ -64,7 +64,7 @@ public:
     /// @param parts  of it, if it waits for trigger() and the board's pin, each of which starts one
     /// @param lines  a named pipe whose lines start them, too; "": none. What they do not say is told as progress
     /// @throws Error{bad_argument} naming "lines" when there is no such pipe, or the parts are not all of the scene's
-    std::uint64_t play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts = {},
+    std::uint64_t play(std::shared_ptr<const Scene> scene, std::vector<TriggeredPart> parts = {},
                        const std::string& lines = "");
     /// Starts a part of what plays, at once. @throws Error{device} when nothing waits for it
     void trigger(std::size_t part);

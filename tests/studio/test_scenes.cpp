@@ -304,8 +304,8 @@ TEST_CASE("studio scenes: a project that is opened brings its files, and what is
     scenes.open(folder.path() / "project.toml");
     const ordered_json document = scenes.first_document();
     CHECK(document["rate_hz"] == 50);
-    CHECK(scenes.compile(document).scene->compiled.bundle.hex ==
-          compile(load_project(folder.path() / "project.toml")).bundle.hex);
+    Project direct = load_project(folder.path() / "project.toml");
+    CHECK(scenes.compile(document).scene->compiled.bundle.hex == compile(direct).bundle.hex);
     write_file(folder.path() / "bad.toml",
                "format = \"haptogram-project-1\"\nrate = 5\n\n[[shape]]\nkind = \"circle\"\n");
     CHECK_THROWS_WITH(scenes.open(folder.path() / "bad.toml"), Contains("bad.toml") && Contains("rate"));

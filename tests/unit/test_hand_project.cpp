@@ -18,14 +18,13 @@ using Catch::Contains;
 
 namespace {
 
-[[maybe_unused]] const bool plays_hands = (use_hands(), true);
-
 const std::string head = "format = \"haptogram-project-1\"\n";
 
 Project read(const std::string& text) { return project_from_toml(head + text, "test"); }
 
 Project sliding(std::size_t frame, const std::string& object = "sphere", const std::string& algorithm = "A") {
     Project project;
+    project.makers = path_makers();
     HandSource& hand = project.hand.emplace();
     hand.recording = "synthetic:slide";
     hand.object.name = object;

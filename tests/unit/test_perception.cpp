@@ -6,6 +6,7 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -14,7 +15,6 @@
 #include "haptogram/perception/magnitude.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/perception/setting.hpp"
-#include "haptogram/perception/skin_force.hpp"
 #include "haptogram/perception/tables.hpp"
 #include "haptogram/perception/threshold.hpp"
 #include "haptogram/perception/waveform.hpp"

@@ -87,10 +87,10 @@ TEST_CASE("triggers: each plays the entries that begin in its time") {
         one.loops = loops;
         return parts_of(std::vector{one}, sequence, 1000.0).at(0);
     };
-    CHECK(part(0, {}) == link::TriggeredPart{1, 4, 1, true});
-    CHECK(part(10, 30) == link::TriggeredPart{2, 1, 1, true});
-    CHECK(part(0, 31, 0) == link::TriggeredPart{1, 3, 0, true});
-    CHECK(part(11, 100) == link::TriggeredPart{3, 2, 1, true});
+    CHECK(part(0, {}) == TriggeredPart{1, 4, 1, true});
+    CHECK(part(10, 30) == TriggeredPart{2, 1, 1, true});
+    CHECK(part(0, 31, 0) == TriggeredPart{1, 3, 0, true});
+    CHECK(part(11, 100) == TriggeredPart{3, 2, 1, true});
     CHECK_THROWS_WITH(part(61, {}), Contains("no focal point begins"));
     CHECK_THROWS_WITH(part(100, {}), Contains("a pass lasts 0.1 s"));
     CHECK_THROWS_WITH(part(0, 102), Contains("a pass lasts 0.1 s"));
@@ -98,19 +98,19 @@ TEST_CASE("triggers: each plays the entries that begin in its time") {
 
 TEST_CASE("triggers: a part that the sequence does not have, and a board without the pin, are refused") {
     link::Identity identity;
-    const std::vector<link::TriggeredPart> key{{2, 3, 1, false}}, pin{{1, 1, 1, true}};
+    const std::vector<TriggeredPart> key{{2, 3, 1, false}}, pin{{1, 1, 1, true}};
     CHECK_NOTHROW(link::require_parts(key, 4, identity));
     CHECK_THROWS_WITH(link::require_parts(key, 3, identity), Contains("number 1 plays 3 entries from entry 2 on"));
     CHECK_THROWS_WITH(link::require_parts(pin, 4, identity), Contains("TRIGGER"));
     identity.features = 1U << static_cast<unsigned>(interface::Feature::trigger);
     CHECK_NOTHROW(link::require_parts(pin, 4, identity));
-    const std::vector<link::TriggeredPart> two{pin[0], pin[0]};
+    const std::vector<TriggeredPart> two{pin[0], pin[0]};
     CHECK_THROWS_WITH(link::require_parts(two, 4, identity), Contains("second"));
     Project project = project_from_toml(project_with("[[trigger]]\non = \"pin\"\n"), "project");
     project.points = 8;
     CHECK_THROWS_WITH(compile(project), Contains("TRIGGER"));
     project.board = "ulx3s-85f";
-    CHECK(compile(project).parts == std::vector<link::TriggeredPart>{{1, 8, 1, true}});
+    CHECK(compile(project).parts == std::vector<TriggeredPart>{{1, 8, 1, true}});
 }
 
 TEST_CASE("triggers: words fire keys and lines, hands that come into a region fire it once, and all else is told") {

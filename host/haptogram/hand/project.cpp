@@ -6,6 +6,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/timer.hpp"
 #include "haptogram/hand/open.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 
 namespace haptogram {
 namespace {
@@ -38,10 +39,13 @@ void add_lines(HandView& view, const Rendered& rendered, double least_force_n) {
 
 }  // namespace
 
-void use_hands() {
-    set_hand_renderer([](const Project& project, const ProjectInstrument& instrument) -> RenderedPath {
-        return render(project, instrument);
-    });
+PathMakers path_makers() {
+    return {[](const Project& project, const ProjectInstrument& instrument) -> RenderedPath {
+                return render(project, instrument);
+            },
+            [](Path& path, const Project& project, const Array& array) {
+                return perception::give_magnitude(path, project, array);
+            }};
 }
 
 std::vector<std::array<Vec3, 3>> drawn_skin(const std::vector<SkinRegion>& regions) {

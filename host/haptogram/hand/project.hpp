@@ -13,8 +13,8 @@
 
 namespace haptogram {
 
-/// From now on compile() takes projects with a hand, by render().
-void use_hands();
+/// What lets compile() take projects with a hand, by render(), and with a magnitude.
+[[nodiscard]] PathMakers path_makers();
 
 /// What a project's settings are for render(). A frame's pass has the project's points; a whole recording has the
 /// algorithm's usual dwell.

@@ -18,6 +18,7 @@
 #include "haptogram/base/picture.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/voice.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/solve/solver.hpp"
 
 namespace haptogram {

@@ -16,8 +16,8 @@
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/hand/touch.hpp"
+#include "haptogram/perception/feel.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/feel.hpp"
 
 namespace haptogram {
 

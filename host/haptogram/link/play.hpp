@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "haptogram/format/triggered_part.hpp"
 #include "haptogram/link/modulate.hpp"
 #include "haptogram/link/outputs.hpp"
 
@@ -64,14 +65,6 @@ struct Played {
 ///         they are off in the end, Error{bad_argument} for a "rate" that no whole number of carrier cycles makes, and
 ///         for what goes over the link "on_trigger", which has effect on the memory's sequence alone
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch = {});
-
-/// A part of the sequence in a device's memory, which something starts.
-struct TriggeredPart {
-    std::uint16_t first = 1, length = 1;  ///< entries
-    std::uint16_t loops = 1;              ///< passes; 0: until another part starts
-    bool by_pin = false;                  ///< by the device's trigger input, without the host
-    friend bool operator==(const TriggeredPart&, const TriggeredPart&) = default;
-};
 
 /// What starts parts and is no pin.
 class TriggerSource {

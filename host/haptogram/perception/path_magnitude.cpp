@@ -13,6 +13,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/single_waveform.hpp"
+#include "haptogram/verbs/project.hpp"
 
 namespace haptogram::perception {
 Wanted wanted_of(double magnitude, std::string_view am, bool values_are_radiation) {
@@ -118,6 +119,11 @@ double CommandLattice::at(Vec3 place) {
 
 PathMagnitude give_magnitude(Path& path, CommandLattice& commands) {
     return multiply(path, [&](Vec3 place) { return commands.at(place); });
+}
+
+PathMagnitude give_magnitude(Path& path, const Project& project, const Array& array) {
+    const Wanted wanted = wanted_of(project.magnitude.value(), project.am, project.am_law == AmplitudeLaw::radiation);
+    return give_magnitude(path, find_tables(), wanted, array);
 }
 
 }  // namespace haptogram::perception

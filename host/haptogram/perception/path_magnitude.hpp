@@ -6,6 +6,7 @@
 
 #include "haptogram/format/path.hpp"
 #include "haptogram/perception/setting.hpp"
+#include "haptogram/verbs/path_makers.hpp"
 
 namespace haptogram::perception {
 
@@ -14,12 +15,6 @@ namespace haptogram::perception {
 /// @throws Error{bad_argument} naming "magnitude" for what no magnitude is known of: a text that is empty or static,
 /// several waveforms, files, and radiation as the law of the waveform's values
 [[nodiscard]] Wanted wanted_of(double magnitude, std::string_view am, bool values_are_radiation);
-
-/// The commands that a path got, each a factor on the amplitude of its foci.
-struct PathMagnitude {
-    double least_command = 0.0, most_command = 0.0;
-    bool moves = false;  ///< the path has several places; the tables are of a focus that rests
-};
 
 /// Lets every focus of a path feel with one magnitude while it is there: multiplies its amplitude by the command of its
 /// place (setting_for() on the array).
@@ -51,5 +46,9 @@ private:
 };
 /// The same for a path that is played in pieces.
 PathMagnitude give_magnitude(Path& path, CommandLattice& commands);
+
+/// The same with a project's magnitude and waveform, by the shipped tables, as PathMakers has it.
+/// @throws Error as wanted_of() and give_magnitude()
+PathMagnitude give_magnitude(Path& path, const Project& project, const Array& array);
 
 }  // namespace haptogram::perception

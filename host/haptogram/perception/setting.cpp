@@ -6,10 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/perception/magnitude.hpp"
-#include "haptogram/perception/skin_force.hpp"
 
 namespace haptogram::perception {
 namespace {
@@ -49,11 +48,6 @@ Error too_much(const Wanted& wanted, const Setting& setting, const std::string& 
 }
 
 }  // namespace
-
-double full_force(const Array& array, Vec3 focus) {
-    if (const std::string why = array.unreachable(focus); !why.empty()) throw impossible("focus", why);
-    return steady_force(array, ideal_drives(array, focus), focus);
-}
 
 double position_factor(const Array& array, Vec3 focus, Vec3 reference) {
     return full_force(array, reference) / full_force(array, focus);

@@ -30,10 +30,6 @@ struct Setting {
     double pulse_duty = 0.0;  ///< of the carrier period: how long the pulse of that command is
 };
 
-/// The force of a focus with exact phases and full, steady drive (steady_force()), N.
-/// @throws Error{bad_input} naming "focus" when the array cannot reach it
-[[nodiscard]] double full_force(const Array& array, Vec3 focus);
-
 /// F_pl·F_H of Multimodal eq. 13, from physics: the full force at `reference`, where the tables were measured, over
 /// that at `focus`. It is below 1 where the array is stronger than at the reference. Errors as above.
 [[nodiscard]] double position_factor(const Array& array, Vec3 focus, Vec3 reference = {0.0, 0.0, 0.2});

@@ -25,8 +25,6 @@
 namespace haptogram {
 namespace {
 
-HandRenderer hand_renderer = nullptr;
-
 constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
 constexpr std::size_t most_record_samples = 4096;  // of a modulation that becomes records
 
@@ -283,14 +281,13 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
 /// same image.
 /// @param hash  gets that of the path
 Path path_of_hand(const Project& project, const ProjectInstrument& instrument, double carrier_hz, std::string& hash,
-                  std::vector<std::string>& warnings, std::optional<perception::PathMagnitude>& magnitude) {
+                  std::vector<std::string>& warnings, std::optional<PathMagnitude>& magnitude) {
     if (!project.shapes.empty() || project.placement != Placement{} || project.clip || project.even || project.fade)
         throw bad_argument("hand",
                            "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
                            "center, clip, even and fade");
-    if (hand_renderer == nullptr)
-        throw bad_argument("hand", "this build plays no hands; build with hand in HAPTOGRAM_EXTENSIONS");
-    RenderedPath rendered = hand_renderer(project, instrument);
+    if (!project.makers.of_hand) throw bad_argument("hand", "this build plays no hands; build with the extra hands");
+    RenderedPath rendered = project.makers.of_hand(project, instrument);
     const std::string text = to_json_text(rendered.path, rendered.carrier_hz);
     hash += sha256(text);
     warnings = std::move(rendered.warnings);
@@ -357,13 +354,13 @@ std::vector<double> modulate(Path& path, const Project& project, double carrier_
 }
 
 /// Lets the foci be, or feel, as strong as the project says.
-std::optional<perception::PathMagnitude> feel(Path& path, const Project& project, const Array& array) {
+std::optional<PathMagnitude> feel(Path& path, const Project& project, const Array& array) {
     weaken(path, project.amplitude);
     if (!project.magnitude) return {};
     require_one_strength(project.magnitude, project.amplitude);
-    const auto wanted =
-        perception::wanted_of(*project.magnitude, project.am, project.am_law == AmplitudeLaw::radiation);
-    return perception::give_magnitude(path, perception::find_tables(), wanted, array);
+    if (!project.makers.of_magnitude)
+        throw bad_argument("magnitude", "this build knows no magnitudes; build with the extra feel");
+    return project.makers.of_magnitude(path, project, array);
 }
 
 /// A pattern that is looked at too seldom loses the shape of its brush.
@@ -536,7 +533,7 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
     }
     if (project.hand) {
         std::vector<std::string> warnings;
-        std::optional<perception::PathMagnitude> magnitude;
+        std::optional<PathMagnitude> magnitude;
         Path path = path_of_hand(project, instrument, timer.carrier_hz(), hashes, warnings, magnitude);
         progress(0.8, "focusing");
         Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
@@ -608,8 +605,6 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
 }
 
 }  // namespace
-
-void set_hand_renderer(HandRenderer renderer) { hand_renderer = renderer; }
 
 void require_one_strength(const std::optional<double>& magnitude, double amplitude) {
     if (magnitude && amplitude != 1.0)

@@ -7,7 +7,6 @@
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/bundle.hpp"
 #include "haptogram/format/path.hpp"
-#include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/shape/draw.hpp"
 #include "haptogram/shape/shape.hpp"
 #include "haptogram/shape/shape_path.hpp"
@@ -36,32 +35,19 @@ struct Evened {
 /// An image with its manifest, and what became of the shape on the way.
 struct Compiled {
     Bundle bundle;
-    Path path;                                           ///< what the image plays
-    TouredPoints points;                                 ///< of a shape; empty for a path
-    std::optional<DrawnPace> pace;                       ///< of a shape that is drawn at a speed or a frequency
-    std::optional<Evened> evened;                        ///< of a shape whose points shall feel alike
-    std::vector<double> am_hz;                           ///< frequencies of the modulation, as they came out
-    std::optional<perception::PathMagnitude> magnitude;  ///< of foci that shall feel with a magnitude
-    PressureLeft pressure_left;                          ///< by the transducers' bandwidth
-    std::vector<std::string> warnings;                   ///< whole sentences
-    std::vector<link::TriggeredPart> parts{};            ///< that the project's triggers start
+    Path path;                               ///< what the image plays
+    TouredPoints points;                     ///< of a shape; empty for a path
+    std::optional<DrawnPace> pace;           ///< of a shape that is drawn at a speed or a frequency
+    std::optional<Evened> evened;            ///< of a shape whose points shall feel alike
+    std::vector<double> am_hz;               ///< frequencies of the modulation, as they came out
+    std::optional<PathMagnitude> magnitude;  ///< of foci that shall feel with a magnitude
+    PressureLeft pressure_left;              ///< by the transducers' bandwidth
+    std::vector<std::string> warnings;       ///< whole sentences
+    std::vector<TriggeredPart> parts{};      ///< that the project's triggers start
 
     /// The least time that any focus lasts, s.
     [[nodiscard]] double shortest_dwell_s() const;
 };
-
-/// A path that lets a hand feel an object.
-struct RenderedPath {
-    Path path;
-    double carrier_hz = 0.0;                             ///< in whose periods the path counts
-    std::optional<perception::PathMagnitude> magnitude;  ///< the commands, when a magnitude was asked for
-    std::vector<std::string> warnings;                   ///< whole sentences
-};
-
-/// How compile() gets the path of a project with a hand. The extension *hand* gives it (hand/project.hpp); without one,
-/// such projects are refused.
-using HandRenderer = RenderedPath (*)(const Project& project, const ProjectInstrument& instrument);
-void set_hand_renderer(HandRenderer renderer);
 
 /// @throws Error{bad_argument} when both say how strong foci are
 void require_one_strength(const std::optional<double>& magnitude, double amplitude);

@@ -7,8 +7,7 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
-#include "haptogram/perception/setting.hpp"
-#include "haptogram/perception/skin_force.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 
 namespace haptogram {
 namespace {
@@ -91,7 +90,7 @@ FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 
     const std::vector<float> values = squares(array, drives, {{focus.x}, {focus.y}, z});
     const auto at = static_cast<std::size_t>(std::lower_bound(z.begin(), z.end(), focus.z) - z.begin());
     result.depth_m = width(values, main_lobe(values, std::min(at, values.size() - 1)), step_m);
-    result.force_n = perception::steady_force(array, drives, focus);
+    result.force_n = steady_force(array, drives, focus);
     result.dwell_cycles = static_cast<std::uint32_t>(std::ceil(result.formation.with_ring_up_s() * array.carrier_hz));
     return result;
 }
@@ -115,7 +114,7 @@ std::vector<Vec3> felt_places(const Array& array, const Grid& grid, double least
     std::vector<Vec3> found;
     for (std::size_t i = 0; i < grid.size(); ++i)
         if (const Vec3 place = grid.point(i);
-            array.unreachable(place).empty() && perception::full_force(array, place) >= least_force_n)
+            array.unreachable(place).empty() && full_force(array, place) >= least_force_n)
             found.push_back(place);
     return found;
 }

@@ -20,7 +20,7 @@ struct FocusAnalysis {
     double depth_m =
         0.0;  ///< the same along z, within what is looked at: from λ above the array to three times the height
     double side_lobe = 0.0;  ///< highest radiation pressure beside the main lobe, along x and y, over that at the peak
-    double force_n = 0.0;    ///< on a disc around it, by steady_force() (perception/skin_force.hpp)
+    double force_n = 0.0;    ///< on a disc around it, by steady_force() (acoustics/skin_force.hpp)
     std::uint32_t dwell_cycles = 0;  ///< carrier periods until 90 % of the pressure is there: spread, load and ring-up
 };
 
@@ -33,7 +33,7 @@ struct FocusAnalysis {
 [[nodiscard]] std::vector<float> workspace(const Array& array, const Grid& grid);
 
 /// The points of a grid where a focus that plays alone, with exact phases, has at least this force on a disc
-/// (perception/skin_force.hpp).
+/// (acoustics/skin_force.hpp).
 [[nodiscard]] std::vector<Vec3> felt_places(const Array& array, const Grid& grid, double least_force_n);
 
 /// How loud a sequence is for an ear, averaged over time, in dB SPL: at the loudest place of the axis farther than λ

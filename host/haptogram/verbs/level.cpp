@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/perception/skin_force.hpp"
 
 namespace haptogram {
 
@@ -54,10 +54,10 @@ MeasuredLevel measured_level(const Array& array, Vec3 focus, const LevelReading&
         throw bad_argument("measured-mn",
                            fmt::format("must be a positive force, found {:g}", reading.force_n.value_or(0.0) * 1e3));
     // Forces go with the square of the source strength.
-    const double computed_n = perception::steady_force(array, drives, focus);
-    return {array.transducer.source_pa_m * std::sqrt(*reading.force_n / computed_n),
-            fmt::format("{:g} mN on a disc of {:g} mm {}", *reading.force_n * 1e3,
-                        perception::default_contact_m / millimetre, where)};
+    const double computed_n = steady_force(array, drives, focus);
+    return {
+        array.transducer.source_pa_m * std::sqrt(*reading.force_n / computed_n),
+        fmt::format("{:g} mN on a disc of {:g} mm {}", *reading.force_n * 1e3, default_contact_m / millimetre, where)};
 }
 
 std::string calibrated_keys(const Array& array, Vec3 focus, const LevelReading& reading) {

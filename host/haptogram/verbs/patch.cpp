@@ -152,7 +152,7 @@ void say_start(nlohmann::ordered_json& manifest, const Board& board, const Patch
 
 Patched flash_contents(const PatchOptions& options) {
     const Board board = load_board(options.board);
-    const std::string hex = open_hex(*options.image);
+    const std::string hex = open_hex(*options.image, options.makers);
     const link::Bytes bytes =
         link::flash_image(image_for(board, hex, *options.image), options.autostart, *options.image);
     Patched made{std::string(bytes.begin(), bytes.end()), {}};
@@ -184,7 +184,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
                                       {"sequence", interface::sequence_word_bits, {}}};
     nlohmann::ordered_json manifest = {{"haptogram", version()}, {"board", board.name}};
     if (options.image) {
-        const std::string hex = open_hex(*options.image);
+        const std::string hex = open_hex(*options.image, options.makers);
         const Image image = image_for(board, hex, *options.image);
         for (const std::uint16_t word : primary_words(image)) memories[0].words.push_back(word);
         memories[1].words = sequence_words(image);

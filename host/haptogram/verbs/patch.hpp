@@ -5,6 +5,7 @@
 #include <string>
 
 #include "haptogram/base/progress.hpp"
+#include "haptogram/verbs/path_makers.hpp"
 
 namespace haptogram {
 
@@ -13,6 +14,7 @@ struct PatchOptions {
     std::optional<std::string> image;    ///< image or project; none: empty memories, to be filled over the link
     std::optional<unsigned> rx_delay{};  ///< instead of the board's, of its network's inputs, in steps of 25 ps
     bool autostart = false;              ///< the board plays the image at power-up, with no host and no watchdog
+    PathMakers makers{};                 ///< for a project as the image
     std::filesystem::path placed = "build/boards";  ///< folder of what tools/bitstream.py placed, a folder a board
 };
 

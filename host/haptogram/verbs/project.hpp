@@ -15,6 +15,7 @@
 #include "haptogram/shape/primitives.hpp"
 #include "haptogram/verbs/hand_source.hpp"
 #include "haptogram/verbs/live_table.hpp"
+#include "haptogram/verbs/path_makers.hpp"
 #include "haptogram/verbs/trigger_table.hpp"
 
 namespace haptogram {
@@ -63,6 +64,7 @@ struct Project {
     std::vector<LiveSetting> live{};   ///< of `haptogram live`; what is compiled does not depend on it
     std::vector<Trigger> triggers{};   ///< of parts of what is played; nor on these
     std::filesystem::path folder;      ///< that relative paths start from; empty: the present one
+    PathMakers makers{};               ///< for a hand and a magnitude; no file names them, who compiles gives them
 
     /// Whether it plays shapes, not a path or what a hand feels.
     [[nodiscard]] bool is_of_shapes() const { return path.empty() && !hand; }

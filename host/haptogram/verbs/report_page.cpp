@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/perception/skin_force.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
@@ -138,7 +138,7 @@ std::string table_of(const ImageAnalysis& analysis) {
         "<table class=\"foci\"><thead><tr><th>record</th><th>focus, mm</th><th>dwell, periods</th><th>pressure, "
         "Pa</th><th>radiation pressure, Pa</th><th>width, mm</th><th>depth, mm</th><th>side lobe</th><th>force on a "
         "disc of {:g} mm, mN</th></tr></thead><tbody>\n",
-        perception::default_contact_m / millimetre);
+        default_contact_m / millimetre);
     for (const PointAnalysis& point : analysis.points) {
         const FocusAnalysis& f = point.focus;
         html += fmt::format(

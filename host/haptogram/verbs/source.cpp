@@ -113,8 +113,9 @@ Bundle open_bundle(const Source& source, FileKind kind, const Progress& progress
         bundle = load_rig_bundle(source.file).whole;
     } else {
         const bool is_whole = kind == FileKind::project;
-        const Compiled compiled =
-            compile(is_whole ? load_project(source.file) : project_of(source, kind), source.file, progress);
+        Project project = is_whole ? load_project(source.file) : project_of(source, kind);
+        project.makers = source.makers;
+        const Compiled compiled = compile(project, source.file, progress);
         // Through the manifest's text, which rounds, so that a project gives the same numbers as its image does.
         bundle = bundle_of(compiled.bundle.hex, manifest_from_json(to_text(compiled.bundle.manifest), source.file),
                            source.file, source.file);
@@ -165,11 +166,12 @@ Bundle open_bundle(const Source& source, const Progress& progress) {
     return open_bundle(source, kind_of(source.file), progress);
 }
 
-std::string open_hex(const std::string& file, const Progress& progress) {
+std::string open_hex(const std::string& file, const PathMakers& makers, const Progress& progress) {
     const FileKind kind = kind_of(file);
     if (kind == FileKind::image) return read_file(file);
     Source source;
     source.file = file;
+    source.makers = makers;
     return open_bundle(source, kind, progress).hex;
 }
 

@@ -6,6 +6,7 @@
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/bundle.hpp"
+#include "haptogram/verbs/path_makers.hpp"
 #include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram {
@@ -30,6 +31,7 @@ struct Source {
     std::string pulses;                       ///< or pulses that a simulation measured, and
     std::string manifest;  ///< the manifest of the image, or the rig's images, that was played; of an
                            ///< image, its manifest if it is not the one beside it
+    PathMakers makers{};   ///< for what is compiled first
 };
 
 /// Whether a file, by its name's ending, is one that open_timeline() takes, and not rows of foci.
@@ -42,7 +44,8 @@ struct Source {
 [[nodiscard]] Bundle open_bundle(const Source& source, const Progress& progress = {});
 
 /// The bytes of the Intel HEX image that a file is, or is compiled to, for verbs that need no manifest.
-[[nodiscard]] std::string open_hex(const std::string& file, const Progress& progress = {});
+[[nodiscard]] std::string open_hex(const std::string& file, const PathMakers& makers = {},
+                                   const Progress& progress = {});
 
 /// The rate of the board that a project, or an image with its manifest beside it, is for.
 [[nodiscard]] std::optional<std::uint32_t> likely_rate(const std::string& file);

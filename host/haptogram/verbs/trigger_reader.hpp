@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptogram/base/live_input.hpp"
+#include "haptogram/link/play.hpp"
 #include "haptogram/verbs/trigger_table.hpp"
 
 namespace haptogram {

@@ -134,15 +134,15 @@ std::string to_toml(std::span<const Trigger> triggers) {
     return text;
 }
 
-std::vector<link::TriggeredPart> parts_of(std::span<const Trigger> triggers, std::span<const SequenceEntry> sequence,
-                                          double carrier_hz) {
+std::vector<TriggeredPart> parts_of(std::span<const Trigger> triggers, std::span<const SequenceEntry> sequence,
+                                    double carrier_hz) {
     std::vector<double> begins{0.0};  // of entries, and of what is behind the last, in carrier periods
     for (const SequenceEntry& entry : sequence) begins.push_back(begins.back() + entry.dwell);
     const double all = begins.back();
     const auto entry_at = [&](double periods) {  // that begins then or is the next to begin
         return static_cast<std::size_t>(std::lower_bound(begins.begin(), begins.end(), periods - 0.5) - begins.begin());
     };
-    std::vector<link::TriggeredPart> parts;
+    std::vector<TriggeredPart> parts;
     for (std::size_t i = 0; i < triggers.size(); ++i) {
         const Trigger& trigger = triggers[i];
         const double from = trigger.from_s * carrier_hz, to = trigger.to_s ? *trigger.to_s * carrier_hz : all;

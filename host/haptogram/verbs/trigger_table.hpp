@@ -11,7 +11,7 @@
 #include "haptogram/array/vec3.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/format/image.hpp"
-#include "haptogram/link/play.hpp"
+#include "haptogram/format/triggered_part.hpp"
 
 namespace haptogram {
 
@@ -40,8 +40,8 @@ struct Trigger {
 
 /// The parts of a sequence that they start, in their order.
 /// @throws Error{bad_input} naming the "trigger" that begins or ends after the pass, or between two of its entries
-[[nodiscard]] std::vector<link::TriggeredPart> parts_of(std::span<const Trigger> triggers,
-                                                        std::span<const SequenceEntry> sequence, double carrier_hz);
+[[nodiscard]] std::vector<TriggeredPart> parts_of(std::span<const Trigger> triggers,
+                                                  std::span<const SequenceEntry> sequence, double carrier_hz);
 
 /// @throws Error{bad_input} for one of the pin, on a board without it
 void require_pin(std::span<const Trigger> triggers, const Core& core);

@@ -270,8 +270,8 @@ SliceMessage slice_of(const Members& members) {
     return slice;
 }
 
-std::vector<link::TriggeredPart> triggers_of(const Members& members) {
-    std::vector<link::TriggeredPart> parts;
+std::vector<TriggeredPart> triggers_of(const Members& members) {
+    std::vector<TriggeredPart> parts;
     if (!members.has("triggers")) return parts;
     for (const ordered_json& each : members.list("triggers", most_triggers)) {
         const Members part(each, fmt::format("{}, trigger {}", members.type(), parts.size() + 1));

@@ -100,8 +100,8 @@ struct UploadMessage {
 struct PlayMessage {
     std::uint32_t n = 0;
     std::string scene;
-    std::vector<link::TriggeredPart> triggers;  ///< as the scene's answer has them; none: all of it, at once
-    std::string lines{};                        ///< a named pipe whose lines fire them, too; "": none
+    std::vector<TriggeredPart> triggers;  ///< as the scene's answer has them; none: all of it, at once
+    std::string lines{};                  ///< a named pipe whose lines fire them, too; "": none
 };
 /// Start such a part.
 struct TriggerMessage {

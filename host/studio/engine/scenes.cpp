@@ -24,8 +24,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-[[maybe_unused]] const bool plays_hands = (use_hands(), true);
-
 ordered_json millimetres(Vec3 point) { return {point.x / millimetre, point.y / millimetre, point.z / millimetre}; }
 
 bool names_file(const std::string& name) { return name.ends_with(".toml") || name.find('/') != std::string::npos; }
@@ -94,7 +92,7 @@ ordered_json to_json(const Scene& scene) {
     ordered_json findings = ordered_json::array();
     for (const Finding& finding : findings_of(scene.settings, c)) findings.push_back(to_json(finding));
     ordered_json triggers = ordered_json::array();
-    for (const link::TriggeredPart& part : c.parts)
+    for (const TriggeredPart& part : c.parts)
         triggers.push_back(
             {{"first", part.first}, {"length", part.length}, {"loops", part.loops}, {"pin", part.by_pin}});
     return {{"name", scene.name},        {"array", to_json(m.array)},      {"foci", foci},
@@ -224,6 +222,7 @@ std::vector<std::string> Scenes::needed_files(const Project& project) const {
 
 Project Scenes::project_of(const std::string& text, std::string& identity) const {
     Project project = project_from_toml(text, "project");
+    project.makers = path_makers();
     const std::lock_guard lock(mutex_);
     project.folder = opened_.folder;
     identity = text;

@@ -3,9 +3,6 @@
 
 #include "haptogram/base/error.hpp"
 #include "native.hpp"
-#ifdef HAPTOGRAM_HAS_HAND
-#include "haptogram/hand/project.hpp"
-#endif
 
 namespace haptogram::python {
 namespace {
@@ -71,9 +68,6 @@ Progress interruptible() {
 }  // namespace haptogram::python
 
 PYBIND11_MODULE(_native, module) {
-#ifdef HAPTOGRAM_HAS_HAND
-    haptogram::use_hands();
-#endif
     module.doc() = "The C++ libraries of Haptogram; import haptogram_native instead.";
     pybind11::register_exception_translator([](std::exception_ptr pointer) {
         try {

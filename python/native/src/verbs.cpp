@@ -11,6 +11,9 @@
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "native.hpp"
+#ifdef HAPTOGRAM_HAS_HAND
+#include "haptogram/hand/project.hpp"
+#endif
 
 namespace haptogram::python {
 namespace {
@@ -18,7 +21,16 @@ namespace {
 using Point = std::array<double, 3>;
 using Range = std::optional<std::pair<double, double>>;
 
-Compiled compile_in(const Project& project, const std::string& name) {
+PathMakers makers() {
+#ifdef HAPTOGRAM_HAS_HAND
+    return path_makers();
+#else
+    return {};
+#endif
+}
+
+Compiled compile_in(Project project, const std::string& name) {
+    project.makers = makers();
     const py::gil_scoped_release unlocked;
     return compile(project, name, interruptible());
 }
@@ -106,6 +118,7 @@ ImageAnalysis analyze_py(const std::variant<std::string, Compiled*>& image, doub
     const py::gil_scoped_release unlocked;
     Source source;
     source.file = path;
+    source.makers = makers();
     return analyze(open_timeline(source), least_force_n, interruptible());
 }
 
@@ -143,7 +156,8 @@ Excitation excitation_of_drives(const Array& array, const Complexes& drives, con
     return found;
 }
 
-Excitation excitation_in(const Source& source) {
+Excitation excitation_in(Source source) {
+    source.makers = makers();
     const py::gil_scoped_release unlocked;
     return excitation_of(open_timeline(source, interruptible()), source.record);
 }

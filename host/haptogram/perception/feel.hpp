@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "haptogram/acoustics/drive_sequence.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/path.hpp"
 #include "haptogram/perception/felt.hpp"
-#include "haptogram/perception/skin_force.hpp"
 #include "haptogram/perception/sound.hpp"
 #include "haptogram/verbs/timeline.hpp"
 
@@ -27,9 +27,9 @@ struct FeelOptions {
     /// The skin of a hand nearest to a place: each place moves there, and has its normal and its region, instead of
     /// those given here.
     std::function<HandSkin(Vec3)> skin;
-    std::size_t most_places = 8;                       ///< of the foci, evenly chosen
-    double contact_m = perception::default_contact_m;  ///< diameter of the skin that a force is of
-    std::vector<Vec3> ears;                            ///< of listeners
+    std::size_t most_places = 8;           ///< of the foci, evenly chosen
+    double contact_m = default_contact_m;  ///< diameter of the skin that a force is of
+    std::vector<Vec3> ears;                ///< of listeners
     perception::Region region = perception::Region::palm;
     double grip_n = 1.0;  ///< that the hand holds at the same time; of a bare hand 1 N is an upper bound
     perception::Tables tables;
@@ -37,11 +37,11 @@ struct FeelOptions {
 
 /// What one place of the skin feels.
 struct FeltPlace {
-    perception::SkinPlace place;
+    SkinPlace place;
     perception::Region region = perception::Region::palm;
     std::string part;         ///< of a hand: palm, thumb, index, …; empty without one
     double off_skin_m = 0.0;  ///< how far what was asked for is from the hand's skin
-    perception::SkinForce force;
+    SkinForce force;
     double mean_pa = 0.0, most_pa = 0.0;     ///< radiation pressure at the place
     double mean_n = 0.0;                     ///< force
     double depth = 0.0;                      ///< of the force's modulation, 0…1

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/perception/skin_force.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,11 @@
 #include <numbers>
 
 #include "haptogram/acoustics/disc.hpp"
+#include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 
-namespace haptogram::perception {
+namespace haptogram {
 namespace {
 
 using Matrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -152,10 +153,15 @@ double steady_force(const Array& array, std::span<const std::complex<double>> dr
     return force;
 }
 
+double full_force(const Array& array, Vec3 focus) {
+    if (const std::string why = array.unreachable(focus); !why.empty()) throw impossible("focus", why);
+    return steady_force(array, ideal_drives(array, focus), focus);
+}
+
 double modulation_depth(const std::vector<double>& signal) {
     if (signal.empty()) return 0.0;
     const auto [least, largest] = std::minmax_element(signal.begin(), signal.end());
     return *largest + *least > 0.0 ? (*largest - *least) / (*largest + *least) : 0.0;
 }
 
-}  // namespace haptogram::perception
+}  // namespace haptogram

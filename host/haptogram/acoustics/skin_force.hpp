@@ -7,7 +7,7 @@
 #include "haptogram/acoustics/drive_sequence.hpp"
 #include "haptogram/array/array.hpp"
 
-namespace haptogram::perception {
+namespace haptogram {
 
 /// Diameter of the skin that a force is of unless told otherwise: the papers do not say on what area they measured.
 inline constexpr double default_contact_m = 0.02;
@@ -37,8 +37,12 @@ struct SkinForce {
 /// The force of drives that do not change, on a disc of that default which faces the array, N.
 [[nodiscard]] double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place);
 
+/// The force of a focus with exact phases and full, steady drive (steady_force()), N.
+/// @throws Error{bad_input} naming "focus" when the array cannot reach it
+[[nodiscard]] double full_force(const Array& array, Vec3 focus);
+
 /// (largest − least)/(largest + least) of a signal that is not negative: 1 when it falls to 0, 0 when it is steady or
 /// silent.
 [[nodiscard]] double modulation_depth(const std::vector<double>& signal);
 
-}  // namespace haptogram::perception
+}  // namespace haptogram

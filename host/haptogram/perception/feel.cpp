@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/feel.hpp"
+#include "haptogram/perception/feel.hpp"
 
 #include <fmt/format.h>
 
@@ -74,14 +74,14 @@ FeltPlace place_at(Vec3 position, const FeelOptions& options) {
 
 FeltPlace feel_at(const Array& array, const DriveSequence& sequence, Vec3 position, const FeelOptions& options) {
     FeltPlace felt = place_at(position, options);
-    felt.force = perception::force_on_skin(array, sequence, felt.place, options.contact_m);
+    felt.force = force_on_skin(array, sequence, felt.place, options.contact_m);
     const auto& pressure = felt.force.pressure_pa;
     const auto& force = felt.force.force_n;
     const auto count = static_cast<double>(force.size());
     felt.mean_pa = std::accumulate(pressure.begin(), pressure.end(), 0.0) / count;
     felt.most_pa = *std::max_element(pressure.begin(), pressure.end());
     felt.mean_n = std::accumulate(force.begin(), force.end(), 0.0) / count;
-    felt.depth = perception::modulation_depth(force);
+    felt.depth = modulation_depth(force);
     felt.spectrum = perception::lines_of(force, sequence.carrier_hz);
     // Rounding leaves lines of a steady force that are no vibration.
     for (Line& line : felt.spectrum)
