@@ -61,7 +61,7 @@ browser: build ## the studio's page in Chromium; not part of `make test`
 
 hardware: build ## the driver tile's netlist, simulation, board and Gerbers into build/hardware, each check beside its bound; not part of `make test`
 	@$(call need,ngspice pcbnew,hardware )
-	@$(PYTHON) hardware/check.py --program $(BUILD)/host/cli/haptogram --output build/hardware
+	@$(PYTHON) extras/hardware/check.py --program $(BUILD)/host/cli/haptogram --output build/hardware
 
 # Each of some 620 faults runs in simulation until a test notices it: hours, so it is not part of `make test`.
 mutants: deep-build ## would the tests notice a fault in the RTL; not part of `make test`
@@ -128,7 +128,7 @@ bench: build build/peers/installed ## the project's numbers beside their targets
 	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json $(if $(ONLY),--only $(ONLY))
 
 figures: build ## the papers' figures, computed, beside the papers' numbers: build/figures/index.html
-	@$(PYTHON) tools/figures.py --program $(BUILD)/host/cli/haptogram --tool $(BUILD)/tools/figures/haptogram_figures --output build/figures
+	@$(PYTHON) extras/papers/figures.py --program $(BUILD)/host/cli/haptogram --tool $(BUILD)/extras/papers/haptogram_figures --output build/figures
 
 docs: ## the site of all pages, with its reference, in build/site; dead links and warnings are errors
 	@$(call need,doxygen mkdocs,dev )
@@ -139,10 +139,10 @@ docs: ## the site of all pages, with its reference, in build/site; dead links an
 # The engine is built where Emscripten is alone, so that all else needs none.
 site: ## the studio as a page for any web host, in build/site/studio: the engine as WebAssembly; after `make docs`, which empties build/site
 	@$(call need,emcc cmake ninja node,dev )
-	@[ -d host/studio/web/node_modules/esbuild ] || { echo "make: missing: the packages of host/studio/web. On Debian 12 tools/setup installs all that is needed." >&2; exit 1; }
+	@[ -d extras/studio/web/node_modules/esbuild ] || { echo "make: missing: the packages of extras/studio/web. On Debian 12 tools/setup installs all that is needed." >&2; exit 1; }
 	@$(call configure,wasm)
 	@cmake --build --preset wasm
-	@node host/studio/web/build.mjs build/site/studio build/wasm/host/studio/wasm
+	@node extras/studio/web/build.mjs build/site/studio build/wasm/extras/studio/wasm
 	@[ ! -f build/site/index.html ] || sed -i 's|<!-- try it -->|<p><a href="studio/index.html">Try it in this browser</a>: design a shape and see its field, with nothing to install.</p>|' build/site/index.html
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy

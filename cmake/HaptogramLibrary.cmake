@@ -4,7 +4,7 @@ include_guard()
 set_property(GLOBAL PROPERTY HAPTOGRAM_LAYERS "")
 
 # haptogram_library(NAME SOURCES... [INTERNAL HEADERS...])
-# The library haptogram_NAME of host/haptogram/NAME, which others link as haptogram::NAME. INTERNAL headers are for the
+# The library haptogram_NAME of haptogram/NAME beside the caller, which others link as haptogram::NAME. INTERNAL headers are for the
 # project's own sources: they are not installed, and may include what a user of the library need not have. After it,
 # target_link_libraries says what the layer uses: PUBLIC what its headers include, PRIVATE what its sources do, and
 # PRIVATE $<BUILD_INTERFACE:...> what has headers only, which nobody needs to link against the finished library.
@@ -20,6 +20,17 @@ function(haptogram_library name)
   target_compile_features(haptogram_${name} PUBLIC cxx_std_20)
   target_include_directories(haptogram_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}>)
   target_link_libraries(haptogram_${name} PRIVATE fmt::fmt $<BUILD_INTERFACE:haptogram_warnings>)
+
+  # Highway's loops are compiled from one source for each kind of processor; in a native build for this one alone.
+  foreach(source IN LISTS ARG_UNPARSED_ARGUMENTS)
+    file(STRINGS ${source} loops REGEX "include <hwy/foreach_target.h>")
+    if(loops)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      if(HAPTOGRAM_NATIVE)
+        set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "-O2;-march=native" COMPILE_DEFINITIONS HWY_COMPILE_ONLY_STATIC)
+      endif()
+    endif()
+  endforeach()
 
   file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.hpp)
   foreach(header IN LISTS ARG_INTERNAL)
@@ -95,10 +106,10 @@ function(haptogram_install_libraries)
   if(HAPTOGRAM_FTDI)
     string(APPEND HAPTOGRAM_PC_PARTS ", libftdi1, libusb-1.0")
   endif()
-  if(scattering IN_LIST HAPTOGRAM_EXTENSIONS AND HAPTOGRAM_OPENBLAS)
+  if(scattering IN_LIST HAPTOGRAM_WITH AND HAPTOGRAM_OPENBLAS)
     string(APPEND HAPTOGRAM_PC_PARTS ", openblas")
   endif()
-  if(live IN_LIST HAPTOGRAM_EXTENSIONS)
+  if(live IN_LIST HAPTOGRAM_WITH)
     string(APPEND HAPTOGRAM_PC_PARTS ", libpng, bullet")
   endif()
   # Relative to the .pc file, so that an installed tree can be moved.

@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 HEADER = ROOT / "host/c/haptogram.h"
-CSHARP = ROOT / "host/c/unity/Runtime/Native.cs"
+CSHARP = ROOT / "extras/unity/Runtime/Native.cs"
 NUMBERS = {"uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "uint16_t": "ushort", "uint64_t": "ulong", "double": "double", "size_t": "UIntPtr"}
 
 

@@ -166,7 +166,7 @@ def draw_channel(c, pinout):
     c.text(164.8, 43, "−", fontsize=11)
     enable = places.get("driver_enable", "ball " + pins["driver_enable"]) if pins["driver_enable"] else None
     if driven and enable:
-        c.box(112, 50, 26, 10, "P-channel switch, as hardware/ has:\noff unless the line above is " + ("high" if pins["driver_enable_level"] else "low"))
+        c.box(112, 50, 26, 10, "P-channel switch, as extras/hardware/ has:\noff unless the line above is " + ("high" if pins["driver_enable_level"] else "low"))
         c.wire((66, 62.5), (125, 62.5), (125, 60))
         c.text(66.7, 62.8, f"driver enable: {enable}")
     else:

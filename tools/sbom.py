@@ -20,7 +20,7 @@ COMPILED_IN = ("libboost-dev", "libbullet-dev", "libcli11-dev", "libeigen3-dev",
 
 
 def of_the_page():
-    locked = json.loads((ROOT / "host/studio/web/package-lock.json").read_text(encoding="utf-8"))["packages"]
+    locked = json.loads((ROOT / "extras/studio/web/package-lock.json").read_text(encoding="utf-8"))["packages"]
     for path, package in sorted(locked.items()):
         if path and not package.get("dev") and not package.get("optional"):
             name = path.removeprefix("node_modules/")

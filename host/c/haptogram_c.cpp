@@ -33,6 +33,9 @@
 #include "haptogram/verbs/timeline.hpp"
 #include "reference_port.hpp"
 
+#ifdef HAPTOGRAM_HAS_PERCEPTION
+#include "haptogram/perception/path_magnitude.hpp"
+#endif
 #ifdef HAPTOGRAM_HAS_HAND
 #include "haptogram/hand/project.hpp"
 #endif
@@ -165,8 +168,13 @@ haptogram::ShapeSource& shape_in(haptogram::Project& project, const haptogram_pr
 
 haptogram::Project project_for(const haptogram_project& given) {
     haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
-#ifdef HAPTOGRAM_HAS_HAND
+#if defined(HAPTOGRAM_HAS_HAND)
     wanted.makers = haptogram::path_makers();
+#elif defined(HAPTOGRAM_HAS_PERCEPTION)
+    wanted.makers.of_magnitude = [](haptogram::Path& path, const haptogram::Project& project,
+                                    const haptogram::Array& array) {
+        return haptogram::perception::give_magnitude(path, project, array);
+    };
 #endif
     if (given.folder != nullptr) wanted.folder = given.folder;
     if (given.shape != nullptr)

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "command.hpp"
+#include "extras.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/picture.hpp"
@@ -346,7 +347,7 @@ void add_board(CLI::App& app, Action& action) {
     names->add_flag("--json", *as_json, "As JSON");
     names->callback([as_json, &action] { action = [as_json] { return list(*as_json); }; });
 
-    add_board_run(*sub, action);
+    add_below("board", *sub, action);
 
     auto power = std::make_shared<PowerOptions>();
     CLI::App* supply = sub->add_subcommand("power", "Print what a board's array takes from its supply");

@@ -243,8 +243,6 @@ int run_board(const RunOptions& options) {
 
 }  // namespace
 
-void use_simulation_of_this_build() { link::set_reference_boards(sim::reference_line); }
-
 void add_board_run(CLI::App& board, Action& action) {
     auto options = std::make_shared<RunOptions>();
     CLI::App* sub = board.add_subcommand("run",

@@ -16,27 +16,17 @@ namespace haptogram::cli {
 /// What a subcommand does once the command line has been read; returns the exit code.
 using Action = std::function<int()>;
 
-/// Each adds its subcommand to `app` and puts what it does into `action` when it is the one that was called.
+/// Adds a subcommand to `app`, and puts what it does into `action` when it is the one that was called.
+using AddCommand = void (*)(CLI::App& app, Action& action);
+
+// Those of the core.
 void add_compile(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
-void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
 void add_solve(CLI::App& app, Action& action);
-void add_scatter(CLI::App& app, Action& action);
-void add_render(CLI::App& app, Action& action);
-void add_movement(CLI::App& app, Action& action);
-void add_interact(CLI::App& app, Action& action);
-void add_live(CLI::App& app, Action& action);
-void add_task(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
-void add_align(CLI::App& app, Action& action);
-void add_calibrate(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
-void add_feel(CLI::App& app, Action& action);
-void add_magnitude(CLI::App& app, Action& action);
-void add_robot(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
-void add_board_run(CLI::App& board, Action& action);
 void add_device(CLI::App& app, Action& action);
 void add_device_list(CLI::App& device, Action& action);
 void add_device_trigger(CLI::App& device, Action& action);
@@ -45,19 +35,14 @@ void add_upload(CLI::App& app, Action& action);
 void add_download(CLI::App& app, Action& action);
 void add_play(CLI::App& app, Action& action);
 void add_stream(CLI::App& app, Action& action);
-void add_studio(CLI::App& app, Action& action);
-void add_serve(CLI::App& app, Action& action);
 void add_completion(CLI::App& app, Action& action);
 void add_bitstream(CLI::App& app, Action& action);
 
 /// @return what --version says: the release, the commit of the sources, and what this build has
 [[nodiscard]] std::string about_this_build();
 
-/// What makes paths of hands and of magnitudes, as far as this build has it.
-[[nodiscard]] PathMakers path_makers();
-
-/// Gives ports of the name reference:NAME, if this build has simulated boards.
-void use_simulation_of_this_build();
+/// What makes paths of hands and of magnitudes, as far as this build has it (extras.hpp).
+[[nodiscard]] const PathMakers& path_makers();
 
 /// A line on stderr, with the program's name in front; never throws for want of a stderr.
 void complain(const std::string& message);

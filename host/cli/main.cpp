@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "command.hpp"
-#include "hands.hpp"
+#include "extras.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/manifest.hpp"
 
@@ -25,19 +25,20 @@ namespace haptogram::cli {
 namespace {
 
 struct Group {
+    Purpose purpose;
     const char* what;
-    std::vector<void (*)(CLI::App&, Action&)> commands;
+    std::vector<AddCommand> commands;
 };
 
-/// Every command of the program, by what a person wants, in the order of --help. This is the one place to register one.
+/// Every command of the core, by what a person wants, in the order of --help. Those of extras come behind them.
 const Group groups[] = {
-    {"Make what is to be felt", {add_compile, add_solve, add_render, add_movement, add_interact}},
-    {"See and measure it before it plays",
-     {add_inspect, add_simulate, add_field, add_scatter, add_analyze, add_feel, add_magnitude, add_report}},
-    {"Play it on a board",
-     {add_device, add_upload, add_download, add_play, add_stream, add_board, add_bitstream, add_calibrate}},
-    {"Hands in the loop", {add_live, add_align, add_task, add_robot}},
-    {"From other programs", {add_studio, add_serve, add_completion}},
+    {Purpose::make, "Make what is to be felt", {add_compile, add_solve}},
+    {Purpose::measure, "See and measure it before it plays", {add_inspect, add_field, add_analyze, add_report}},
+    {Purpose::play,
+     "Play it on a board",
+     {add_device, add_upload, add_download, add_play, add_stream, add_board, add_bitstream}},
+    {Purpose::hands, "Hands in the loop", {}},
+    {Purpose::other, "From other programs", {add_completion}},
 };
 
 /// What a command ends with; scripts rely on it.
@@ -154,8 +155,11 @@ int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
         const CLI::App* command = &app;
         while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
         const std::vector<std::string> rest = command->remaining();
-        throw bad_argument("haptogram", fmt::format("{}{}; see haptogram --help", error.what(),
-                                                    rest.empty() ? "" : meant(*command, rest.front())));
+        std::string left_out;
+        if (!extras_left_out().empty() && command == &app)
+            left_out = fmt::format("; this build leaves out {}", extras_left_out());
+        throw bad_argument("haptogram", fmt::format("{}{}{}; see haptogram --help", error.what(),
+                                                    rest.empty() ? "" : meant(*command, rest.front()), left_out));
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::bad_argument);
     }
@@ -167,18 +171,21 @@ int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-    use_simulation_of_this_build();
     CLI::App app(
         "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",
         "haptogram");
     app.set_version_flag("--version", about_this_build());
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
     Action action;
-    for (const Group& group : groups)
-        for (const auto add : group.commands) {
+    for (const Group& group : groups) {
+        std::vector<AddCommand> commands = group.commands;
+        if (const auto more = extras().commands.find(group.purpose); more != extras().commands.end())
+            commands.insert(commands.end(), more->second.begin(), more->second.end());
+        for (const AddCommand add : commands) {
             add(app, action);
             app.get_subcommands({}).back()->group(group.what);
         }
+    }
     return guarded(app, [&] { return parse_and_act(app, action, argc, argv); });
 }
 

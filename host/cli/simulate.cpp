@@ -10,16 +10,22 @@
 #include <optional>
 
 #include "command.hpp"
+#include "extras.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/link/port.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "progress_line.hpp"
+#include "reference_port.hpp"
 #include "report.hpp"
 #include "simulate_rig.hpp"
 #include "simulation_report.hpp"
 #include "source_options.hpp"
 
 namespace haptogram::cli {
+
+void add_board_run(CLI::App& app, Action& action);
+void add_simulate(CLI::App& app, Action& action);
 namespace {
 
 struct SimulateOptions {
@@ -166,6 +172,12 @@ void add_simulate(CLI::App& app, Action& action) {
     sub->add_flag("--json", options->json, "Print the report as JSON");
     sub->callback(
         [options, sub, &action] { action = [options, given = given_to(*sub)] { return simulate(*options, given); }; });
+}
+
+void register_simulation(Extras& extras) {
+    extras.commands[Purpose::measure].push_back(add_simulate);
+    extras.below["board"].push_back(add_board_run);
+    link::set_reference_boards(sim::reference_line);
 }
 
 }  // namespace haptogram::cli

@@ -9,7 +9,7 @@ from bindings import LIBRARY, ROOT
 from patience import also_in_time
 from test_c_interface import DOME
 
-UNITY = ROOT / "host/c/unity"
+UNITY = ROOT / "extras/unity"
 
 
 def test_the_generated_file_is_fresh():

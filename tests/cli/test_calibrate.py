@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`haptogram calibrate`: arrays with faults, recorded by tools/record_calibration.py, and the foci that their images then make in its
+"""`haptogram calibrate`: arrays with faults, recorded by extras/calibration/record_calibration.py, and the foci that their images then make in its
 numpy model. HAPTOGRAM_ARRAYS arrays are drawn, and HAPTOGRAM_CASES of each fault."""
 import dataclasses
 import json

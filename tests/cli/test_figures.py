@@ -15,8 +15,8 @@ ONLY = ["haptogram-11", "haptogram-13", "hoshi-force", "hoshi-7", "hoshi-12c", "
 
 
 def figures(folder, *arguments):
-    tool = PROGRAM.parents[2] / "tools/figures/haptogram_figures"
-    command = [sys.executable, ROOT / "tools/figures.py", "--program", PROGRAM, "--tool", tool, "--output", folder, *arguments]
+    tool = PROGRAM.parents[2] / "extras/papers/haptogram_figures"
+    command = [sys.executable, ROOT / "extras/papers/figures.py", "--program", PROGRAM, "--tool", tool, "--output", folder, *arguments]
     return subprocess.run([str(a) for a in command], capture_output=True, text=True, timeout=300)
 
 

@@ -314,7 +314,7 @@ def heard_scenes():
 
 def test_the_scene_comes_while_it_happens(tmp_path):
     """Each line is as the table of the README says, and comes as a datagram before the run is over."""
-    readme = (ROOT / "host/haptogram/live/README.md").read_text()
+    readme = (ROOT / "extras/live/README.md").read_text()
     table = readme.split("<!-- scene -->")[1]
     names = [name for row in table.splitlines() if row.startswith("| `") for name in re.findall("`([a-z_]+)`", row.split("|")[1])]
     with heard_scenes() as (where, listening):

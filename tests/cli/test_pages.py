@@ -10,16 +10,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/build-one.md": 3, "docs/calibrate.md": 5, "docs/foci.md": 1, "docs/hoshi.md": 2, "docs/rendering.md": 1,
-         "docs/tiles.md": 2, "hardware/README.md": 1, "host/arrays/README.md": 2, "host/haptogram/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
+PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/build-one.md": 3, "docs/calibrate.md": 5, "docs/foci.md": 1, "extras/papers/hoshi.md": 2, "docs/rendering.md": 1,
+         "docs/tiles.md": 2, "extras/hardware/README.md": 1, "host/arrays/README.md": 2, "extras/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
 OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
     "tests/coverage/README.md": "the same",
     "tests/mutation/README.md": "the same",
-    "host/haptogram/scattering/README.md": "takes minutes; test_scatter.py has the commands",
+    "extras/scattering/README.md": "takes minutes; test_scatter.py has the commands",
     "python/README.md": "installs, and needs boards and cameras; tests/python has the commands",
-    "python/haptogram/study/README.md": "asks people; tests/python has the commands",
-    "python/haptogram_sweep/README.md": "installs; docs/notebooks/sweep.ipynb is run",
+    "extras/studies/README.md": "asks people; tests/python has the commands",
+    "extras/sweep/README.md": "installs; docs/notebooks/sweep.ipynb is run",
 }
 BLOCK = re.compile(r"^```(sh|toml \S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -29,7 +29,7 @@ def test_every_page_with_commands_is_run_or_said_why_not():
     assert {name for name in names if "sh" in dict(BLOCK.findall((ROOT / name).read_text(encoding="utf-8")))} == {*PAGES, *OTHERS}
 
 
-@pytest.mark.parametrize("page", [pytest.param(page, marks=pytest.mark.deep) if page == "host/haptogram/robot/README.md" else page for page in PAGES])
+@pytest.mark.parametrize("page", [pytest.param(page, marks=pytest.mark.deep) if page == "extras/robot/README.md" else page for page in PAGES])
 def test_every_command_of_the_page_runs(page, program, tmp_path):
     folder = tmp_path / "bin"
     folder.mkdir()

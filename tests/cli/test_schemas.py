@@ -11,7 +11,7 @@ from jsonschema import Draft202012Validator
 from support import BAD_INPUT, ROOT, USAGE, assert_one_message, path_file, read_json, run, succeed, text
 
 SCHEMAS = {file.name.split(".")[0]: read_json(file) for file in (ROOT / "docs/schemas").glob("*.schema.json")}
-GALLERY = sorted((ROOT / "host/studio/gallery").glob("*/project.toml"))
+GALLERY = sorted((ROOT / "extras/studio/gallery").glob("*/project.toml"))
 RIGS = sorted((ROOT / "host/arrays/rigs").glob("*.toml"))
 PAIR = """format = "haptogram-rig-1"
 [[unit]]

@@ -49,7 +49,7 @@ def test_the_wires_of_another_array_file_are_noticed():
 def test_the_arrays_file_is_what_the_generator_writes_and_has_the_grids_places():
     text = netlist.ARRAY.read_text(encoding="utf-8")
     for board in ("colorlight-5a-75e-v7.1", "colorlight-5a-75e-v6.0"):
-        assert netlist.array_file(board) == text, "stale: hardware/netlist.py --array-file >host/arrays/driver-tile.toml"
+        assert netlist.array_file(board) == text, "stale: extras/hardware/netlist.py --array-file >host/arrays/driver-tile.toml"
     assert sorted(netlist.places(netlist.ARRAY)) == sorted(netlist.places(GRID))
 
 
@@ -84,7 +84,7 @@ def test_the_circuits_numbers_are_those_of_board_power():
     ],
 )
 def test_a_board_that_does_not_suit_is_refused(board, array, words):
-    command = [sys.executable, ROOT / "hardware/netlist.py", "--board", board, "--array", array, "--program", PROGRAM]
+    command = [sys.executable, ROOT / "extras/hardware/netlist.py", "--board", board, "--array", array, "--program", PROGRAM]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 3 and not result.stdout
     assert all(word in result.stderr for word in words), result.stderr

@@ -130,11 +130,11 @@ def studio_address(program):
 def test_the_installed_studio_has_its_page(package, work):
     """It takes the installed page, not the one in the build: it notices when one of the installed files is another."""
     page = Path("share/haptogram/studio")
-    if not (ROOT / "host/studio/web/node_modules/esbuild").exists():
+    if not (ROOT / "extras/studio/web/node_modules/esbuild").exists():
         assert json.loads(studio_address(package / "bin/haptogram"))["page"] is False
         return
     assert json.loads(studio_address(package / "bin/haptogram"))["page"] is True
-    assert (package / "share/haptogram/python/haptogram/study/protocols/haptogram_shapes.toml").is_file(), "the runner of studies"
+    assert (package / "share/haptogram/extras/studies/haptogram_study/protocols/haptogram_shapes.toml").is_file(), "the runner of studies"
     assert (package / "share/haptogram/schemas/project.schema.json").is_file(), "the schemas of file formats"
     moved = work / "moved"
     shutil.copytree(package / "bin", moved / "bin")

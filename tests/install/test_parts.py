@@ -37,14 +37,14 @@ def folder(beside):
 
 @pytest.fixture(scope="module")
 def without_both(folder, work):
-    """The program without simulated board, FTDI, studio and extensions, on a machine that has the packages of none of these."""
+    """The core alone, without simulated board and FTDI, on a machine that has the packages of none of these."""
     known = work / "pkgconfig"
     known.mkdir()
     for place in run("pkg-config", "--variable", "pc_path", "pkg-config").stdout.strip().split(":"):
         for package in Path(place).glob("*.pc"):
             if not package.stem.startswith(("libftdi", "libusb", "bullet")) and not (known / package.name).exists():
                 (known / package.name).symlink_to(package)
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", "-DHAPTOGRAM_EXTENSIONS=",
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_TESTS=OFF", "-DHAPTOGRAM_EXTRAS=",
               NO_VERILATOR, *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("LAPACK", "PNG")), environment={"PKG_CONFIG_LIBDIR": str(known)})
     program = work / "haptogram-without-both"
     shutil.copy(build(folder), program)
@@ -64,8 +64,7 @@ def test_without_simulation_and_ftdi_the_rest_works(without_both, work):
 
 @pytest.mark.deep
 def test_simulation_that_is_left_out_says_so(without_both, work):
-    for command in (["simulate", "point.hex", "--pulses", "p.csv"], ["simulate"], ["board", "run", "--pty", "port"]):
-        assert "HAPTOGRAM_SIMULATION=ON" in says(without_both, work, *command, expect=USAGE)
+    assert "this build leaves out simulation" in says(without_both, work, "simulate", "point.hex", "--pulses", "p.csv", expect=USAGE)
 
 
 @pytest.mark.deep
@@ -74,34 +73,29 @@ def test_ftdi_that_is_left_out_says_so(without_both, work):
 
 
 @pytest.mark.deep
-def test_studio_that_is_left_out_says_so(without_both, work):
-    assert "HAPTOGRAM_STUDIO=ON" in says(without_both, work, "studio", "--no-browser", expect=USAGE)
-
-
-@pytest.mark.deep
-@pytest.mark.parametrize("command, extension", [("calibrate", "calibration"), ("render", "hand"), ("align", "hand"), ("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
-def test_an_extension_that_is_left_out_says_so(without_both, work, command, extension):
-    assert f"{extension} in HAPTOGRAM_EXTENSIONS" in says(without_both, work, command, expect=USAGE)
+@pytest.mark.parametrize("command, extra", [("calibrate", "calibration"), ("render", "hands"), ("align", "hands"), ("scatter", "scattering"), ("feel", "feel"), ("live", "live"), ("task", "live"),
+                                            ("robot", "robot"), ("studio", "studio"), ("serve", "serve")])  # fmt: skip
+def test_an_extra_that_is_left_out_says_so(without_both, work, command, extra):
+    said = says(without_both, work, command, expect=USAGE)
+    assert extra in said.split("this build leaves out ")[1]
 
 
 @pytest.mark.deep
 def test_a_hand_where_hands_are_left_out_says_so(without_both, work):
     (work / "hand.toml").write_text('format = "haptogram-project-1"\n[hand]\nrecording = "synthetic:press"\n')
-    for command in (["compile", "hand.toml", "-o", "hand.hex"], ["feel", "point.hex", "--hand", "synthetic:press"]):
-        assert "hand in HAPTOGRAM_EXTENSIONS" in says(without_both, work, *command, expect=USAGE)
+    assert "the extra hands" in says(without_both, work, "compile", "hand.toml", "-o", "hand.hex", expect=USAGE)
     assert not (work / "hand.hex").exists()
 
 
-def test_extensions_that_are_not_there_or_needed_by_tests(work):
-    assert "there is no extension 'unity'" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=unity", expect=1).stderr.split())
-    assert "the tests need all" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=live", expect=1).stderr.split())
-    assert "the studio needs hand" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=", "-DHAPTOGRAM_STUDIO=ON", "-DHAPTOGRAM_TESTS=OFF", expect=1).stderr.split())
+def test_extras_that_are_not_there_or_needed_by_tests(work):
+    assert "there is no extra 'unity'" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTRAS=unity", expect=1).stderr.split())
+    assert "the tests need all" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTRAS=live", expect=1).stderr.split())
 
 
 @pytest.mark.deep
 def test_tests_without_simulation(without_both, folder):
     """The unit tests do not need it."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", "-DHAPTOGRAM_EXTENSIONS=calibration;scattering;live;robot", NO_VERILATOR,
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", "-DHAPTOGRAM_EXTRAS=all", NO_VERILATOR,
               *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=OFF" for name in ("LAPACK", "PNG")))
     build(folder, "test_unit", "haptogram")
     listed = re.findall(r"Test +#\d+: (.*)", run("ctest", "--test-dir", folder, "-N").stdout)
@@ -109,7 +103,7 @@ def test_tests_without_simulation(without_both, folder):
     assert not any(name == "cli" or name.startswith("cosim/") for name in listed)
 
 
-@pytest.mark.parametrize("options", [*(pytest.param(options, marks=pytest.mark.deep) for options in (["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_STUDIO=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"])),
+@pytest.mark.parametrize("options", [*(pytest.param(options, marks=pytest.mark.deep) for options in (["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_EXTRAS=robot", "-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"])),
                                      ["--preset=quick"], ["-DHAPTOGRAM_PROGRAM=OFF", "-DHAPTOGRAM_SIMULATION=OFF"]], ids=" ".join)  # fmt: skip
 def test_other_combinations_configure(work, options):
     configure(work / "configured", "--fresh", *options)

@@ -4,7 +4,7 @@ import sys
 import processes
 import pytest
 
-sys.path.insert(0, str(processes.PACKAGE))
+sys.path[:0] = processes.PACKAGES
 
 
 @pytest.fixture(scope="session")

@@ -10,9 +10,9 @@ from pathlib import Path
 from patience import PATIENCE_S, Board
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "python"
+PACKAGES = [str(ROOT / "python"), str(ROOT / "extras/studies")]
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PACKAGE), "PYTHONDONTWRITEBYTECODE": "1"}
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(PACKAGES), "PYTHONDONTWRITEBYTECODE": "1"}
 RATE_NOTE = r"haptogram(-py)?: \S+: it answers at \d+ baud, which is remembered\n"  # once, of the first command at a port
 OK, RUN_FAILED, USAGE, BAD_INPUT, DEVICE = range(5)
 

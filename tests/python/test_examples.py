@@ -15,7 +15,7 @@ from haptogram import Image
 from haptogram.interface import RECORD_HEADER_WORDS
 from patience import also_in_time
 
-EXAMPLES = processes.PACKAGE / "examples"
+EXAMPLES = processes.ROOT / "python/examples"
 
 
 def run(folder, name, *args):

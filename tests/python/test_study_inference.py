@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 import statsmodels.api
 from haptogram import HaptogramError
-from haptogram.study import inference
-from haptogram.study.observers import felt
-from haptogram.study.staircase import Rule, Staircase
+from haptogram_study import inference
+from haptogram_study.observers import felt
+from haptogram_study.staircase import Rule, Staircase
 from scipy import optimize, special, stats
 
 TABLE_1 = [[56, 6, 24, 4], [13, 59, 11, 7], [46, 2, 40, 2], [6, 9, 7, 68]]

@@ -8,8 +8,8 @@ import time
 import processes
 import pytest
 from processes import BAD_INPUT, OK, RUN_FAILED, run
-from haptogram.study import protocol
-from haptogram.study.design import cells
+from haptogram_study import protocol
+from haptogram_study.design import cells
 from test_study_protocols import SMALL
 from test_study_runs import records, session, study
 

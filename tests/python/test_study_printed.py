@@ -8,9 +8,9 @@ import sys
 import pytest
 from processes import OK, ROOT, RUN_FAILED, run
 from haptogram import HaptogramError
-from haptogram.study import printed
+from haptogram_study import printed
 
-PAGE = ROOT / "docs/printed-numbers.md"
+PAGE = ROOT / "extras/papers/printed-numbers.md"
 
 
 @pytest.fixture(scope="module")
@@ -25,8 +25,8 @@ def one(lines, paper, part):
 
 
 def test_the_page_is_fresh(tmp_path, lines):
-    assert PAGE.read_text(encoding="utf-8") == printed.page(lines), "write it again: python3 -m haptogram.study printed --markdown"
-    command = [sys.executable, "-m", "haptogram.study", "printed"]
+    assert PAGE.read_text(encoding="utf-8") == printed.page(lines), "write it again: python3 -m haptogram_study printed --markdown"
+    command = [sys.executable, "-m", "haptogram_study", "printed"]
     assert run([*command, "--check", PAGE], tmp_path).returncode == OK
     (tmp_path / "stale.md").write_text(PAGE.read_text().replace("0.655", "0.656"))
     stale = run([*command, "--check", "stale.md"], tmp_path)

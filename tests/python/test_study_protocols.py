@@ -8,9 +8,9 @@ import tomllib
 
 import pytest
 from haptogram import HaptogramError
-from haptogram.study import design, observers, protocol, stimulus
-from haptogram.study.asking import parse
-from haptogram.study.design import cells
+from haptogram_study import design, observers, protocol, stimulus
+from haptogram_study.asking import parse
+from haptogram_study.design import cells
 
 SMALL = """
 format = "haptogram-protocol-1"

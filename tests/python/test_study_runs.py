@@ -24,11 +24,11 @@ import scipy.ndimage
 from patience import also_in_time, until
 from processes import BAD_INPUT, DEVICE, OK, RUN_FAILED, USAGE, haptogram, run, virtual_board
 from haptogram import HaptogramError
-from haptogram.study import analysis, cli, figures, observers, protocol, results, touching
-from haptogram.study.asking import Occasion
-from haptogram.study.design import cells
-from haptogram.study.session import Session
-from haptogram.study.stimulus import Presenter
+from haptogram_study import analysis, cli, figures, observers, protocol, results, touching
+from haptogram_study.asking import Occasion
+from haptogram_study.design import cells
+from haptogram_study.session import Session
+from haptogram_study.stimulus import Presenter
 from test_study_protocols import SMALL
 
 STAIRS = SMALL.split("[[question]]")[0].replace('"{shape} at', '"{shape} at {level.db} dB,') + """
@@ -69,7 +69,7 @@ lapse = 0
 
 
 def study(*args):
-    return [sys.executable, "-m", "haptogram.study", *map(str, args)]
+    return [sys.executable, "-m", "haptogram_study", *map(str, args)]
 
 
 def session(*more, name="small.toml", participant=3):
@@ -652,7 +652,7 @@ def test_commands_of_the_terminal(place):
 
 def test_the_runner_needs_no_statistics(place):
     blocked = "import sys; sys.modules.update(dict.fromkeys(('numpy', 'scipy', 'pandas', 'statsmodels', 'matplotlib'))); "
-    command = [sys.executable, "-c", blocked + "from haptogram.study.cli import main; sys.exit(main())"]
+    command = [sys.executable, "-c", blocked + "from haptogram_study.cli import main; sys.exit(main())"]
     assert_says(run([*command, *session("--observer", "simulated:protocol")[3:]], place), OK, "complete, 8 new answers")
     assert_says(run([*command, "analyse", "small.toml", "out.jsonl"], place), USAGE, "haptogram[study]")
 

@@ -161,7 +161,7 @@ def test_what_is_wrong_is_said(service):
 
 
 def test_the_page_of_messages_is_what_is_taken(service):
-    page = json.loads((ROOT / "host/serve/asyncapi.json").read_text(encoding="utf-8"))
+    page = json.loads((ROOT / "extras/serve/asyncapi.json").read_text(encoding="utf-8"))
     verbs = [name for name in page["components"]["messages"] if name not in ("done", "failure")]
     client = service.client()
     taken = client.ask("?")["error"]["message"].split("expected one of ")[1].split(", ")

@@ -106,7 +106,7 @@ async function byKeys(page, key) {
 const runners = (where) =>
   readdirSync("/proc").filter((name) => {
     try {
-      return /^\d+$/.test(name) && readFileSync(`/proc/${name}/cmdline`, "latin1").includes("haptogram.study\0run") && readlinkSync(`/proc/${name}/cwd`) === where;
+      return /^\d+$/.test(name) && readFileSync(`/proc/${name}/cmdline`, "latin1").includes("haptogram_study\0run") && readlinkSync(`/proc/${name}/cwd`) === where;
     } catch {
       return false; // it has ended
     }
@@ -161,9 +161,9 @@ test("a session by buttons and by keys, stopped, gone on with, and equal to the 
 
   const ours = records(join(where, "p2.jsonl"));
   assert.ok(readFileSync(join(where, "p2.jsonl"), "utf8").endsWith("}\n"));
-  const terminal = spawn(python, ["-m", "haptogram.study", "run", "short.toml", "--participant", "2", "--seed", "7", "-o", "terminal.jsonl"], {
+  const terminal = spawn(python, ["-m", "haptogram_study", "run", "short.toml", "--participant", "2", "--seed", "7", "-o", "terminal.jsonl"], {
     cwd: where,
-    env: { ...process.env, PYTHONPATH: join(root, "python") },
+    env: { ...process.env, PYTHONPATH: `${join(root, "python")}:${join(root, "extras/studies")}` },
     stdio: ["pipe", "ignore", "ignore"],
   });
   terminal.stdin.end(["a\n2\n80", "l\n4\n12.5", "a\n4\n12.5", "l\n4\n12.5"].map((each) => `\n${each}\n`).join("") + "soft <b>& warm\n");

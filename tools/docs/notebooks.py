@@ -13,7 +13,7 @@ from nbclient import NotebookClient
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs/notebooks"
-PACKAGES = ROOT / "python"
+PACKAGES = f"{ROOT}/python:{ROOT}/extras/sweep"
 
 
 def commands(folder: Path, program: Path) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Depth pictures to `haptogram live --from depth-pipe:-`, from any camera. The format is host/haptogram/live/README.md's."""
+"""Depth pictures to `haptogram live --from depth-pipe:-`, from any camera. The format is extras/live/README.md's."""
 import math
 import struct
 from collections.abc import Sequence

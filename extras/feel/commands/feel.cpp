@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/perception/feel.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+#include "extras.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/perception/difference.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
+#include "haptogram/verbs/analyze.hpp"
+#include "haptogram/verbs/level.hpp"
+#include "progress_line.hpp"
+#include "report.hpp"
+#include "skin_of_hand.hpp"
+#include "source_options.hpp"
+
+namespace haptogram::cli {
+
+void add_feel(CLI::App& app, Action& action);
+void add_magnitude(CLI::App& app, Action& action);
+namespace {
+
+using nlohmann::ordered_json;
+
+SkinOfHand known_skin = nullptr;
+
+struct FeelCommand {
+    SourceOptions what;
+    std::vector<std::string> at, ears{"0,-400,300"};
+    std::string normal = "0,0,-1", region = "palm", tables = "multimodal", output;
+    std::string hand, hand_model;
+    std::size_t places = 8, hand_frame = 1;
+    double contact_mm = default_contact_m / millimetre, grip_n = 1.0;
+    bool json = false;
+};
+
+ordered_json numbers_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / millimetre}; }
+
+std::string words_mm(Vec3 p) {
+    return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x / millimetre, p.y / millimetre, p.z / millimetre);
+}
+
+ordered_json to_json(const FeltPlace& place) {
+    ordered_json lines = ordered_json::array();
+    for (const perception::FeltLine& line : place.felt.lines)
+        lines.push_back({{"hz", line.hz},
+                         {"force_mn", line.force_n * 1e3},
+                         {"least_mn", line.least_n * 1e3},
+                         {"over_db", line.over_db},
+                         {"threshold_by", perception::name_of(line.basis)}});
+    ordered_json json = {{"at_mm", numbers_mm(place.place.position)}};
+    if (!place.part.empty()) {
+        json["normal"] = {place.place.normal.x, place.place.normal.y, place.place.normal.z};
+        json["part"] = place.part;
+        json["off_skin_mm"] = place.off_skin_m / millimetre;
+    }
+    json.update({{"tilt", place.force.tilt},
+                 {"mean_pa", place.mean_pa},
+                 {"most_pa", place.most_pa},
+                 {"mean_mn", place.mean_n * 1e3},
+                 {"modulation_depth", place.depth},
+                 {"lines", lines},
+                 {"expected_to_be_felt", place.expected()}});
+    if (place.expected()) {
+        const perception::FeltLine& line = place.felt.lines.front();
+        json["strength_steps"] = perception::strength_steps(line.over_db);
+        if (const auto next = perception::next_frequency_hz(line.hz)) json["next_frequency_hz"] = *next;
+    }
+    if (place.felt.magnitude)
+        json["magnitude"] = *place.felt.magnitude;
+    else
+        json["no_magnitude"] = place.felt.no_magnitude;
+    return json;
+}
+
+std::string line_of(const FeltPlace& place, std::size_t number) {
+    std::string text =
+        fmt::format("{:>5} {:>22} {:>5.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>6.2f}", number, words_mm(place.place.position),
+                    place.force.tilt, place.mean_pa, place.most_pa, place.mean_n * 1e3, place.depth);
+    const std::string part =
+        place.part.empty() ? "" : fmt::format("  {}, {:.1f} mm off", place.part, place.off_skin_m / millimetre);
+    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 Hz and 1 kHz" + part;
+    const perception::FeltLine& line = place.felt.lines.front();
+    text += fmt::format(" {:>8.1f} {:>8.4f} {:>8.4f} {:>7.1f} {:>12}", line.hz, line.force_n * 1e3, line.least_n * 1e3,
+                        line.over_db, perception::name_of(line.basis));
+    return text +
+           (place.felt.magnitude ? fmt::format(" {:>9.2f}", *place.felt.magnitude) : fmt::format(" {:>9}", "-")) + part;
+}
+
+/// What could be told apart from the strongest place's strongest line.
+void tell_differences(Report& report, const Feeling& feeling) {
+    const perception::FeltLine* best = nullptr;
+    for (const FeltPlace& place : feeling.places)
+        if (place.expected() && (best == nullptr || place.felt.lines.front().over_db > best->over_db))
+            best = &place.felt.lines.front();
+    if (best == nullptr) return;
+    const auto [least, most] = perception::strength_steps(best->over_db);
+    std::string text = fmt::format("told apart: {} to {} steps of strength down to what is just felt", least, most);
+    if (const auto next = perception::next_frequency_hz(best->hz))
+        text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz on", best->hz, next->at(0), next->at(1));
+    report.tell(text + fmt::format("; places to {:g} mm", perception::place_error_m / millimetre));
+}
+
+void report_places(Report& report, const Feeling& feeling) {
+    report.tell(fmt::format("{:>5} {:>22} {:>5} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>7} {:>12} {:>9}", "place",
+                            "skin / mm", "cos2", "P / Pa", "most", "F / mN", "depth", "line/Hz", "F / mN", "least",
+                            "over/dB", "threshold by", "magnitude"));
+    ordered_json places = ordered_json::array();
+    std::size_t expected = 0;
+    for (const FeltPlace& place : feeling.places) {
+        places.push_back(to_json(place));
+        report.tell(line_of(place, places.size()));
+        expected += place.expected() ? 1 : 0;
+    }
+    report.add("places", places)
+        .add("places_expected_to_be_felt", expected,
+             fmt::format("expected to be felt: {} of {} places", expected, feeling.places.size()));
+    tell_differences(report, feeling);
+    for (const FeltPlace& place : feeling.places)
+        if (!place.felt.magnitude) {
+            report.tell(fmt::format("no magnitude, first of place {}: {}",
+                                    static_cast<std::size_t>(&place - feeling.places.data()) + 1,
+                                    place.felt.no_magnitude));
+            break;
+        }
+}
+
+void report_path(Report& report, const Feeling& feeling) {
+    report.add("mean_pa", feeling.mean_pa,
+               fmt::format("strength: {:.1f} Pa on average over time and places, spread {:.1f} %", feeling.mean_pa,
+                           100.0 * feeling.spread));
+    report.add("spread", feeling.spread);
+    if (!feeling.speed_m_s) return;
+    report.add("speed_m_s", *feeling.speed_m_s);
+    if (feeling.wave_gain)
+        report.add("wave_gain", *feeling.wave_gain,
+                   fmt::format("the focus moves at {:.3g} m/s; waves in the skin make the deflection {:.2f} times that "
+                               "of one that rests (a membrane, largest at 6 m/s)",
+                               *feeling.speed_m_s, *feeling.wave_gain));
+}
+
+void report_sound(Report& report, const Feeling& feeling) {
+    const perception::Noise& noise = feeling.noise;
+    const bool silent = noise.lines.empty();
+    report.add("noise",
+               {{"relative_db", silent ? ordered_json() : ordered_json(noise.relative_db)},
+                {"loudest_hz", silent ? ordered_json() : ordered_json(noise.loudest_hz)},
+                {"largest_phase_step_deg", noise.largest_step_deg},
+                {"reference", "every element at full drive under a sine from 0 to 1 at 200 Hz"}},
+               silent ? "audible noise: none is expected of a steady drive"
+                      : fmt::format("audible noise: {:+.1f} dB(A) beside a 200 Hz sine of the whole array, most at "
+                                    "{:.0f} Hz; phases step by {:.1f} degrees at most",
+                                    noise.relative_db, noise.loudest_hz, noise.largest_step_deg));
+    const auto json_of = [](const perception::Exposure& ear) {
+        return ordered_json{{"at_mm", numbers_mm(ear.ear)}, {"mean_db_spl", ear.mean_db}, {"most_db_spl", ear.most_db}};
+    };
+    ordered_json ears = ordered_json::array();
+    for (const perception::Exposure& ear : feeling.ears) {
+        ears.push_back(json_of(ear));
+        report.tell(fmt::format("ultrasound at an ear at ({}) mm: {:.1f} dB SPL, {:.1f} dB at most", words_mm(ear.ear),
+                                ear.mean_db, ear.most_db));
+    }
+    report.add("ears", ears)
+        .add(
+            "loudest_at_500_mm", json_of(feeling.loudest),
+            fmt::format("loudest on a hemisphere of 500 mm: {:.1f} dB SPL at ({}) mm; {:g} dB are recommended for ears",
+                        feeling.loudest.mean_db, words_mm(feeling.loudest.ear), recommended_for_ears_db))
+        .add("recommended_for_ears_db_spl", recommended_for_ears_db);
+}
+
+int feel(const FeelCommand& command) {
+    const Source source = source_of(command.what, "feel");
+    if (!command.output.empty()) require_distinct(files_of(source), {{"--output", command.output}});
+    if (!command.output.empty() && !command.output.ends_with(".png"))
+        throw bad_argument("output", fmt::format("'{}' is no .png; the numbers are printed, with --json for programs",
+                                                 command.output));
+    FeelOptions options;
+    for (const std::string& text : command.at) options.at.push_back(parse_point_mm("at", text));
+    for (const std::string& text : command.ears) options.ears.push_back(parse_point_mm("ear", text));
+    options.normal = parse_point_mm("normal", command.normal);
+    if (!command.hand.empty() && known_skin == nullptr)
+        throw bad_argument("hand", "this build has no hands; build with the extra hands");
+    if (!command.hand.empty()) options.skin = known_skin(command.hand, command.hand_model, command.hand_frame);
+    options.most_places = command.places;
+    options.contact_m = command.contact_mm * millimetre;
+    options.region = perception::region_of(command.region);
+    options.grip_n = command.grip_n;
+    options.tables = perception::find_tables(command.tables);
+    Timeline timeline;
+    Feeling feeling;
+    {
+        ProgressLine progress("feel");
+        timeline = open_timeline(source);
+        feeling = haptogram::feel(timeline, options, progress.callback());
+    }
+    if (!command.output.empty()) draw_feeling(command.output, timeline, options, feeling);
+    for (const std::string& warning : feeling.warnings) complain("warning: " + warning);
+    constexpr const char* note =
+        "by models and printed tables of others; nothing was measured on people by this project";
+    Report report;
+    report.add("played", timeline.title,
+               fmt::format("{}, {}: {:.4g} s of it", timeline.title, timeline.manifest.array.name, feeling.seconds));
+    report.add("array", timeline.manifest.array.name).add("seconds", feeling.seconds);
+    report.add("tables", options.tables.name).add("grip_n", command.grip_n);
+    if (command.hand.empty()) report.add("region", command.region);
+    report.add("extent_mm", feeling.extent_m / millimetre);
+    report.add("contact_mm", command.contact_mm,
+               fmt::format("F is on a flat disc of {:g} mm at the place", command.contact_mm));
+    report.add("level", level_json(timeline.manifest.array.transducer), level_text(timeline.manifest.array.transducer));
+    report_places(report, feeling);
+    report_path(report, feeling);
+    report_sound(report, feeling);
+    report.add("warnings", feeling.warnings).add("note", note, note).print(command.json);
+    return 0;
+}
+
+}  // namespace
+
+void add_feel(CLI::App& app, Action& action) {
+    auto options = std::make_shared<FeelCommand>();
+    CLI::App* sub =
+        app.add_subcommand("feel", "What a hand is expected to feel, and an ear to hear, of what plays: models");
+    add_source(*sub, options->what);
+    sub->add_option("--at", options->at,
+                    "A place on the skin: x,y,z mm; may be given several times; by default the foci")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    sub->add_option("--places", options->places, "How many of the foci, evenly chosen")
+        ->check(whole(1, 65535))
+        ->capture_default_str();
+    auto* normal = sub->add_option("--normal", options->normal,
+                                   "Out of the skin, of any length: x,y,z; by default towards the array")
+                       ->capture_default_str();
+    auto* hand = sub->add_option("--hand", options->hand,
+                                 "A hand, as render takes it: each place is the nearest one on its skin, with the "
+                                 "normal and the region there")
+                     ->excludes(normal);
+    sub->add_option("--hand-frame", options->hand_frame, "Frame of its recording, from 1")
+        ->needs(hand)
+        ->check(whole(1, std::numeric_limits<std::uint32_t>::max()))
+        ->capture_default_str();
+    sub->add_option("--hand-model", options->hand_model, "Bones of a .pose file (default: model_hand.json beside it)")
+        ->needs(hand);
+    sub->add_option("--contact", options->contact_mm, "Diameter of the skin whose force is compared, mm")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--ear", options->ears, "Where a listener's ear is: x,y,z mm; may be given several times")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->capture_default_str();
+    sub->add_option("--region", options->region, "palm or finger; magnitudes are known for the palm only")
+        ->check(CLI::IsMember({"palm", "finger"}))
+        ->excludes(hand)
+        ->capture_default_str();
+    sub->add_option("--grip", options->grip_n, "Force that the hand holds at the same time, N; 1 N for a bare hand")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--tables", options->tables, "Shipped perception file, or a file")->capture_default_str();
+    sub->add_flag("--json", options->json, "Print as JSON");
+    sub->add_option("-o,--output", options->output, "A picture, .png");
+    sub->callback([options, &action] { action = [options] { return feel(*options); }; });
+}
+
+void use_skin_of_hand(SkinOfHand skin) { known_skin = skin; }
+
+void register_feel(Extras& extras) {
+    extras.commands[Purpose::measure].insert(extras.commands[Purpose::measure].end(), {add_feel, add_magnitude});
+    extras.makers.of_magnitude = [](Path& path, const Project& project, const Array& array) {
+        return perception::give_magnitude(path, project, array);
+    };
+}
+
+}  // namespace haptogram::cli
