@@ -21,6 +21,7 @@ set(left ${HAPTOGRAM_EXTRAS})
 if(left STREQUAL "all")
   set(left ${HAPTOGRAM_EVERY_EXTRA})
 endif()
+list(REVERSE left)  # each is put in front
 while(left)
   list(POP_FRONT left extra)
   if(NOT extra IN_LIST HAPTOGRAM_EVERY_EXTRA)

@@ -24,7 +24,7 @@ function(haptogram_write_shipped)
   get_property(SHIPPED GLOBAL PROPERTY HAPTOGRAM_SHIPPED)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shipped_table.cpp @ONLY CONTENT
 "// Written by CMake from the files themselves.
-#include \"haptogram/base/shipped_table.hpp\"
+#include \"haptogram/base/shipped.hpp\"
 
 namespace haptogram {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pins.hpp"
 
-#include "haptogram/verbs/envelope.hpp"
+#include "haptogram/verbs/focus_analysis.hpp"
 #include "haptogram/verbs/measure.hpp"
 #include "playback.hpp"
 

@@ -17,7 +17,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / folder) for folder in ("python", "extras/studies", "tools")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("python", "extras/studies", "extras/scattering", "tools")]
 from figures import haptogram_paper, hoshi, multimodal, page, scattering, shapes, studies  # noqa: E402
 from figures.work import Work  # noqa: E402
 

@@ -19,7 +19,7 @@
 #include <thread>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram::serve {
 namespace {

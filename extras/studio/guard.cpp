@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram::studio {
 namespace {

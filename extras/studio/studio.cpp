@@ -16,7 +16,7 @@
 #include "guest.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/to_json.hpp"

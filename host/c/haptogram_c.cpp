@@ -34,7 +34,7 @@
 #include "reference_port.hpp"
 
 #ifdef HAPTOGRAM_HAS_PERCEPTION
-#include "haptogram/perception/path_magnitude.hpp"
+#include "haptogram/perception/magnitude.hpp"
 #endif
 #ifdef HAPTOGRAM_HAS_HAND
 #include "haptogram/hand/project.hpp"

@@ -4,7 +4,7 @@
 
 #include "command.hpp"
 #include "commit.hpp"
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 
 namespace haptogram::cli {
 

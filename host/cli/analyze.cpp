@@ -10,7 +10,7 @@
 
 #include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "level_options.hpp"
 #include "progress_line.hpp"

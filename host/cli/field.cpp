@@ -8,7 +8,6 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/probe.hpp"
 #include "progress_line.hpp"

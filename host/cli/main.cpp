@@ -19,7 +19,7 @@
 #include "command.hpp"
 #include "extras.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "command.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/verbs/findings.hpp"
 #include "progress_line.hpp"
 #include "source_options.hpp"
 

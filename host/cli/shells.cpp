@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "command.hpp"
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 
 namespace haptogram::cli {
 namespace {

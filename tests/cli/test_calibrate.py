@@ -18,7 +18,7 @@ from scipy.io import wavfile
 from scipy.stats import binom
 from support import BAD_INPUT, ROOT, RUN_FAILED, USAGE, ask, refuse, run, status, succeed, text, virtual_board
 
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "extras/calibration"))
 sys.path.insert(0, str(ROOT / "python"))
 import record_calibration as model  # noqa: E402
 from haptogram.image import Image  # noqa: E402

@@ -36,7 +36,7 @@ def test_every_command_of_the_page_runs(page, program, tmp_path):
     (folder / "haptogram").symlink_to(program)
     (folder / "python3").write_text(f"#!/bin/sh\nexec '{sys.executable}' \"$@\"\n")  # which has numpy
     (folder / "python3").chmod(0o755)
-    for name in ("tools", "hardware"):  # whose files a page names
+    for name in ("tools", "extras"):  # whose files a page names
         (tmp_path / name).symlink_to(ROOT / name)
     blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
     assert len(blocks) >= PAGES[page]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench.hpp"
-#include "haptogram/format/formation.hpp"
+#include "haptogram/format/schedule.hpp"
 
 using namespace haptogram;
 using namespace haptogram::test;

@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")
 SEED = int(os.environ.get("HAPTOGRAM_SEED", 0)) or int.from_bytes(os.urandom(4), "big")
-sys.path.insert(0, str(ROOT / "hardware"))
+sys.path.insert(0, str(ROOT / "extras/hardware"))
 import netlist  # noqa: E402
 
 GRID = ROOT / "host/arrays/tile-10x10.toml"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "hardware"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "extras/hardware"))
 from table import Row, text  # noqa: E402
 
 

@@ -54,7 +54,8 @@ def test_headers_need_only_public_dependencies(package):
 
 def stand_first():
     """The headers that a source of the libraries includes before anything else: the build has compiled these for themselves."""
-    first = (re.search(r'^#include (.*)$', source.read_text(), re.MULTILINE) for source in (ROOT / "host/haptogram").rglob("*.cpp"))
+    first = (re.search(r'^#include (.*)$', source.read_text(), re.MULTILINE) for folder in (ROOT / "host/haptogram", *(ROOT / "extras").glob("*/haptogram"))
+             for source in folder.rglob("*.cpp"))
     return {found[1].strip('"') for found in first if found}
 
 
@@ -134,7 +135,7 @@ def test_the_installed_studio_has_its_page(package, work):
         assert json.loads(studio_address(package / "bin/haptogram"))["page"] is False
         return
     assert json.loads(studio_address(package / "bin/haptogram"))["page"] is True
-    assert (package / "share/haptogram/extras/studies/haptogram_study/protocols/haptogram_shapes.toml").is_file(), "the runner of studies"
+    assert (package / "share/haptogram/python/haptogram_study/protocols/haptogram_shapes.toml").is_file(), "the runner of studies"
     assert (package / "share/haptogram/schemas/project.schema.json").is_file(), "the schemas of file formats"
     moved = work / "moved"
     shutil.copytree(package / "bin", moved / "bin")

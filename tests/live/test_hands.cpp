@@ -10,11 +10,11 @@
 #include "../virtual_clock.hpp"
 #include "bench.hpp"
 #include "haptogram/format/focus_engine.hpp"
-#include "haptogram/hand/synthetic.hpp"
-#include "haptogram/live/choose_player.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/live/hand_feeler.hpp"
 #include "haptogram/live/hand_source.hpp"
 #include "haptogram/live/pipeline.hpp"
+#include "haptogram/live/players.hpp"
 
 using namespace haptogram;
 

@@ -13,8 +13,7 @@
 #include "haptogram/array/rig.hpp"
 #include "haptogram/link/outputs.hpp"
 #include "haptogram/link/rig_commands.hpp"
-#include "haptogram/live/choose_player.hpp"
-#include "haptogram/live/ring_player.hpp"
+#include "haptogram/live/players.hpp"
 #include "rig_simulation.hpp"
 #include "tiles.hpp"
 

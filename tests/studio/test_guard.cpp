@@ -4,7 +4,7 @@
 #include <set>
 
 #include "guard.hpp"
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 
 using namespace haptogram::studio;
 using haptogram::make_token;

@@ -16,7 +16,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "haptogram/live/board_time.hpp"
+#include "haptogram/live/player.hpp"
 
 using namespace haptogram;
 

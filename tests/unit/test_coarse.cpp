@@ -12,7 +12,7 @@
 #include "every_target.hpp"
 #include "haptogram/acoustics/coarse.hpp"
 #include "haptogram/acoustics/field.hpp"
-#include "haptogram/acoustics/pattern.hpp"
+#include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/shift.hpp"
 #include "haptogram/acoustics/wave.hpp"
 #include "haptogram/array/rig.hpp"

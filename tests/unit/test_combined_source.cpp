@@ -4,8 +4,8 @@
 #include <deque>
 #include <memory>
 
-#include "haptogram/live/combined_source.hpp"
 #include "haptogram/live/hand_source.hpp"
+#include "haptogram/live/source.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

@@ -5,8 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "haptogram/hand/section.hpp"
-#include "haptogram/live/crossing.hpp"
+#include "haptogram/hand/surface.hpp"
 #include "haptogram/live/touch_scene.hpp"
 
 using namespace haptogram;

@@ -5,7 +5,7 @@
 
 #include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 #include "haptogram/format/rig_bundle.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/project.hpp"

@@ -6,7 +6,6 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/shape/curve.hpp"
 #include "haptogram/shape/draw.hpp"
 #include "haptogram/verbs/compile.hpp"
 

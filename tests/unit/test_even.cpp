@@ -10,10 +10,10 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/transient.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/shape/curve.hpp"
-#include "haptogram/shape/sample.hpp"
+#include "haptogram/shape/draw.hpp"
+#include "haptogram/shape/tour.hpp"
 #include "haptogram/solve/even.hpp"
-#include "haptogram/solve/pressure_left.hpp"
+#include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/compile.hpp"
 

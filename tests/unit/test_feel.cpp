@@ -7,17 +7,13 @@
 #include <numeric>
 #include <random>
 
-#include "haptogram/acoustics/disc.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/skin_force.hpp"
-#include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/acoustics/transient.hpp"
 #include "haptogram/perception/feel.hpp"
 #include "haptogram/perception/felt.hpp"
-#include "haptogram/perception/setting.hpp"
-#include "haptogram/perception/skin_wave.hpp"
-#include "haptogram/perception/sound.hpp"
+#include "haptogram/perception/magnitude.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/timeline.hpp"
 #include "message_of.hpp"

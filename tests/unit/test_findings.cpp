@@ -5,7 +5,7 @@
 #include <random>
 
 #include "haptogram/verbs/document.hpp"
-#include "haptogram/verbs/findings.hpp"
+#include "haptogram/verbs/report_page.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

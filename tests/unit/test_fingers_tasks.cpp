@@ -5,8 +5,7 @@
 
 #include "haptogram/array/rig.hpp"
 #include "haptogram/hand/ring.hpp"
-#include "haptogram/live/lift_task.hpp"
-#include "haptogram/live/surface_task.hpp"
+#include "haptogram/live/tasks.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

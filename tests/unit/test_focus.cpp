@@ -4,7 +4,7 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/format/formation.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/solve/focal_law.hpp"
 
 using namespace haptogram;

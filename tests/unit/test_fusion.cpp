@@ -6,12 +6,12 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/acoustics/skin_pressure.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/robot/feature_mode.hpp"
+#include "haptogram/robot/modes.hpp"
 #include "haptogram/robot/place.hpp"
 #include "haptogram/robot/scenes.hpp"
-#include "haptogram/verbs/envelope.hpp"
+#include "haptogram/verbs/focus_analysis.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

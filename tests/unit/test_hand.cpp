@@ -9,10 +9,9 @@
 
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/leap.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/solid.hpp"
 #include "haptogram/hand/surface.hpp"
-#include "haptogram/hand/synthetic.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

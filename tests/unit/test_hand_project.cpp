@@ -8,8 +8,8 @@
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/hand/open.hpp"
 #include "haptogram/hand/project.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/document.hpp"
 

@@ -12,7 +12,7 @@
 #include "haptogram/hand/interaction.hpp"
 #include "haptogram/hand/marker.hpp"
 #include "haptogram/hand/movement.hpp"
-#include "haptogram/hand/synthetic.hpp"
+#include "haptogram/hand/recording.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

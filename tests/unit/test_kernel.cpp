@@ -16,7 +16,6 @@
 
 #include "every_target.hpp"
 #include "haptogram/acoustics/field.hpp"
-#include "haptogram/acoustics/pattern.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/shift.hpp"
 #include "haptogram/acoustics/wave.hpp"

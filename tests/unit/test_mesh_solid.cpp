@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/mesh_solid.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/hand/recording.hpp"
+#include "haptogram/hand/solid.hpp"
 #include "haptogram/hand/surface.hpp"
-#include "haptogram/hand/synthetic.hpp"
 #include "haptogram/hand/touch.hpp"
 
 using namespace haptogram;

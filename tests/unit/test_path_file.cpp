@@ -8,8 +8,8 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/adaptics.hpp"
 #include "haptogram/shape/path_file.hpp"
-#include "haptogram/verbs/adaptics_project.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/document.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

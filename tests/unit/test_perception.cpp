@@ -7,17 +7,12 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/skin_force.hpp"
-#include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/perception/difference.hpp"
+#include "haptogram/perception/felt.hpp"
 #include "haptogram/perception/magnitude.hpp"
-#include "haptogram/perception/path_magnitude.hpp"
-#include "haptogram/perception/setting.hpp"
 #include "haptogram/perception/tables.hpp"
-#include "haptogram/perception/threshold.hpp"
-#include "haptogram/perception/waveform.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

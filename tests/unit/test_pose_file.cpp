@@ -12,7 +12,7 @@
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/hand/pose_file.hpp"
+#include "haptogram/hand/recording.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -10,7 +10,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/contour.hpp"
 #include "haptogram/hand/object.hpp"
-#include "haptogram/hand/synthetic.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/touch.hpp"
 
 using namespace haptogram;

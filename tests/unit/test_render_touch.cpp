@@ -10,10 +10,8 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/leap.hpp"
-#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/render.hpp"
-#include "haptogram/hand/synthetic.hpp"
 #include "haptogram/solve/solver.hpp"
 
 using namespace haptogram;

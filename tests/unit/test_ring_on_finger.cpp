@@ -9,8 +9,7 @@
 
 #include "haptogram/array/rig.hpp"
 #include "haptogram/hand/ring.hpp"
-#include "haptogram/hand/ring_on_finger.hpp"
-#include "haptogram/scattering/finger_elements.hpp"
+#include "haptogram/scattering/skin.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

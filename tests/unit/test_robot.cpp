@@ -14,7 +14,6 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/robot/geometry.hpp"
-#include "haptogram/robot/kinematics.hpp"
 #include "haptogram/robot/tension.hpp"
 #include "haptogram/robot/workspace.hpp"
 #include "message_of.hpp"

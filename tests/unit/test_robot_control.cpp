@@ -6,12 +6,12 @@
 
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/robot/admittance.hpp"
-#include "haptogram/robot/kinematics.hpp"
-#include "haptogram/robot/rest.hpp"
+#include "haptogram/robot/geometry.hpp"
+#include "haptogram/robot/plant.hpp"
 #include "haptogram/robot/robot_file.hpp"
 #include "haptogram/robot/simulate.hpp"
 #include "haptogram/robot/tension.hpp"
+#include "haptogram/robot/workspace.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

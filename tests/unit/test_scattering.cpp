@@ -9,10 +9,9 @@
 #include <numbers>
 #include <random>
 
-#include "haptogram/scattering/outside.hpp"
-#include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatter.hpp"
 #include "haptogram/scattering/scatterer.hpp"
+#include "haptogram/scattering/shells.hpp"
 #include "haptogram/scattering/skin.hpp"
 
 using namespace haptogram;

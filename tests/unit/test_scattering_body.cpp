@@ -8,9 +8,9 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/scattering/incident.hpp"
-#include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatter.hpp"
+#include "haptogram/scattering/scatterer.hpp"
+#include "haptogram/scattering/shells.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

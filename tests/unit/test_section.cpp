@@ -6,7 +6,7 @@
 #include <random>
 
 #include "haptogram/hand/ring.hpp"
-#include "haptogram/hand/section.hpp"
+#include "haptogram/hand/surface.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

@@ -13,12 +13,10 @@
 
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/hand/synthetic.hpp"
-#include "haptogram/live/cloud.hpp"
-#include "haptogram/live/depth_folder.hpp"
-#include "haptogram/live/depth_pipe.hpp"
-#include "haptogram/live/depth_png.hpp"
-#include "haptogram/live/depth_renderer.hpp"
+#include "haptogram/hand/recording.hpp"
+#include "haptogram/live/cluster.hpp"
+#include "haptogram/live/depth.hpp"
+#include "haptogram/live/depth_source.hpp"
 #include "message_of.hpp"
 #include "recorded_depth.hpp"
 

@@ -6,7 +6,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/shape/primitives.hpp"
-#include "haptogram/shape/sample.hpp"
+#include "haptogram/shape/tour.hpp"
 
 using namespace haptogram;
 

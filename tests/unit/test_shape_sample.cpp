@@ -7,9 +7,8 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/shape/farthest.hpp"
 #include "haptogram/shape/primitives.hpp"
-#include "haptogram/shape/sample.hpp"
+#include "haptogram/shape/tour.hpp"
 
 using namespace haptogram;
 

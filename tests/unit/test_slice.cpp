@@ -9,7 +9,6 @@
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/focus_check.hpp"
-#include "haptogram/verbs/slice.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

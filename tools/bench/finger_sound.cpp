@@ -6,7 +6,7 @@
 #include <exception>
 #include <numbers>
 
-#include "haptogram/scattering/finger_elements.hpp"
+#include "haptogram/scattering/skin.hpp"
 
 int main() try {
     using namespace haptogram;

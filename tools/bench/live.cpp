@@ -8,10 +8,9 @@
 
 #include "haptogram/array/array.hpp"
 #include "haptogram/array/rig.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/ring.hpp"
-#include "haptogram/hand/ring_on_finger.hpp"
-#include "haptogram/hand/synthetic.hpp"
-#include "haptogram/live/depth_renderer.hpp"
+#include "haptogram/live/depth.hpp"
 #include "haptogram/live/shot_rings.hpp"
 #include "haptogram/live/source.hpp"
 #include "least.hpp"

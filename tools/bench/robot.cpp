@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/geometry.hpp"
 #include "haptogram/robot/tension.hpp"
 #include "haptogram/robot/workspace.hpp"
 #include "least.hpp"

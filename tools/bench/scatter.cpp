@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatterer.hpp"
+#include "haptogram/scattering/shells.hpp"
 #include "haptogram/scattering/skin.hpp"
 #include "haptogram/shape/place.hpp"
 #include "least.hpp"

@@ -8,7 +8,6 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/perception/setting.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "report.hpp"

@@ -13,7 +13,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/mounting.hpp"
-#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/verbs/analyze.hpp"
 #include "report.hpp"
 

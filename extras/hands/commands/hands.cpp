@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 #include "extras.hpp"
-#include "haptogram/hand/open.hpp"
 #include "haptogram/hand/project.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/render.hpp"
 #include "skin_of_hand.hpp"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/hand/interact.hpp"
-
 #include <fmt/format.h>
 
 #include <memory>
@@ -8,6 +6,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/interaction.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "report.hpp"

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "haptogram/hand/movement.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -6,7 +8,6 @@
 
 #include "command.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/hand/movement_request.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "report.hpp"

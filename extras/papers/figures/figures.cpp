@@ -13,7 +13,7 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/transient.hpp"
-#include "haptogram/format/formation.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/movement.hpp"
 #include "haptogram/solve/drives.hpp"

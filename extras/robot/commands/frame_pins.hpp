@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptogram/format/core.hpp"
-#include "haptogram/robot/frame.hpp"
+#include "haptogram/robot/scenes.hpp"
 
 namespace haptogram::cli {
 

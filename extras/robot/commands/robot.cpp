@@ -9,7 +9,7 @@
 #include "command.hpp"
 #include "extras.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/geometry.hpp"
 #include "haptogram/robot/robot_file.hpp"
 #include "haptogram/robot/simulate.hpp"
 #include "haptogram/robot/tension.hpp"

@@ -11,7 +11,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/picture.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/robot/place.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "played_frames.hpp"

@@ -7,7 +7,7 @@
 
 #include "command.hpp"
 #include "extras.hpp"
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/link/background_player.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"

@@ -16,17 +16,15 @@
 #include "haptogram/format/board.hpp"
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/project.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/surface.hpp"
-#include "haptogram/hand/synthetic.hpp"
 #include "haptogram/hand/touch.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/shape/primitives.hpp"
-#include "haptogram/verbs/adaptics_project.hpp"
 #include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/document.hpp"
-#include "haptogram/verbs/findings.hpp"
+#include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/report_page.hpp"
-#include "haptogram/verbs/slice.hpp"
 
 namespace haptogram::studio {
 namespace {

@@ -10,7 +10,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/verbs/slice.hpp"
+#include "haptogram/verbs/field.hpp"
 #include "request.hpp"
 
 namespace haptogram::studio {

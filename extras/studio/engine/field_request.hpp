@@ -8,7 +8,7 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/region.hpp"
 #include "haptogram/base/progress.hpp"
-#include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/field.hpp"
 #include "scenes.hpp"
 
 namespace haptogram::studio {

@@ -13,7 +13,7 @@
 #include "haptogram/hand/project.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/shape/shape.hpp"
-#include "haptogram/verbs/slice.hpp"
+#include "haptogram/verbs/field.hpp"
 
 namespace haptogram::studio {
 

@@ -13,7 +13,7 @@
 #include "haptogram/base/bundle.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"

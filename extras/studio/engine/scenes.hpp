@@ -13,7 +13,7 @@
 #include "haptogram/base/process.hpp"
 #include "haptogram/hand/project.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/findings.hpp"
+#include "haptogram/verbs/report_page.hpp"
 #include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram::studio {

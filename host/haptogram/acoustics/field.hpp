@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/acoustics/grid.hpp"
+#include "haptogram/acoustics/region.hpp"
 #include "haptogram/array/array.hpp"
 #include "haptogram/base/progress.hpp"
 

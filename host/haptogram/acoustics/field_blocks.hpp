@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "haptogram/acoustics/field.hpp"
-#include "haptogram/acoustics/grid.hpp"
-#include "haptogram/acoustics/pattern.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/region.hpp"
 #include "haptogram/acoustics/wave.hpp"
 
 // What all ways to compute a field share: threads, and waves summed over blocks of points. Only the fields use it.

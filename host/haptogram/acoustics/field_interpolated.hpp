@@ -5,7 +5,7 @@
 
 #include "haptogram/acoustics/coarse.hpp"
 #include "haptogram/acoustics/field.hpp"
-#include "haptogram/acoustics/pattern.hpp"
+#include "haptogram/acoustics/propagation.hpp"
 
 // Fields on a coarse grid, interpolated from there, and how far off they are. Only the fields use it.
 

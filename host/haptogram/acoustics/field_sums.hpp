@@ -5,7 +5,7 @@
 #include <span>
 
 #include "haptogram/acoustics/field.hpp"
-#include "haptogram/acoustics/pattern.hpp"
+#include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/shift.hpp"
 
 // Fields as sums of the elements' waves: each wave at each point, or on a grid that has the array's pitch one wave,

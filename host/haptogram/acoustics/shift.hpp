@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "haptogram/acoustics/grid.hpp"
+#include "haptogram/acoustics/region.hpp"
 #include "haptogram/array/array.hpp"
 
 namespace haptogram {

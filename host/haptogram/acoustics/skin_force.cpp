@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/acoustics/skin_force.hpp"
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -8,12 +9,70 @@
 #include <cmath>
 #include <numbers>
 
-#include "haptogram/acoustics/disc.hpp"
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {
+
+std::vector<DiscNode> disc_nodes(double diameter_m, double wavelength_m) {
+    const unsigned rings = 3 + static_cast<unsigned>(std::ceil(1.2 * diameter_m / wavelength_m));
+    const unsigned around = 4 * (rings - 1);
+    std::vector<DiscNode> nodes;
+    for (unsigned i = 0; i < rings; ++i) {
+        // Newton's method finds the roots of the Legendre polynomial P; P' = n·(x·P − P₋₁)/(x² − 1).
+        double root = std::cos(std::numbers::pi * (i + 0.75) / (rings + 0.5)), slope = 1.0;
+        for (int step = 0; step < 8; ++step) {
+            const double value = std::legendre(rings, root);
+            slope = rings * (root * value - std::legendre(rings - 1, root)) / (root * root - 1.0);
+            root -= value / slope;
+        }
+        const double part = (1.0 + root) / 2.0;  // of the radius; the area grows with 2·part
+        const double weight = 2.0 * part / ((1.0 - root * root) * slope * slope) / around;
+        for (unsigned j = 0; j < around; ++j) {
+            const double angle = 2.0 * std::numbers::pi * (j + 0.5 * (i % 2)) / around, r = diameter_m / 2.0 * part;
+            nodes.push_back({r * std::cos(angle), r * std::sin(angle), weight});
+        }
+    }
+    return nodes;
+}
+
+double radiation_pressure(const PatchSound& sound, const Medium& medium) {
+    return (std::norm(sound.pressure) - std::norm(sound.along) - std::norm(sound.across)) /
+           (medium.density_kg_m3 * medium.speed_m_s * medium.speed_m_s);
+}
+
+std::vector<PatchSound> waves_at_patch(const Array& array, Vec3 point, Vec3 normal) {
+    const double length = norm(normal);
+    if (!(length > 0.0 && std::isfinite(length)))
+        throw bad_argument("normal", fmt::format("({:g}, {:g}, {:g}) is no direction; expected three numbers of which "
+                                                 "one is not 0, such as 0,0,-1 for skin that faces the array",
+                                                 normal.x, normal.y, normal.z));
+    const Vec3 out = normal * (1.0 / length);
+    // Any direction that is not nearly the normal's leads to two directions along the skin.
+    const Vec3 other = std::abs(out.x) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+    Vec3 along = other - out * dot(other, out);
+    along = along * (1.0 / norm(along));
+    const Vec3 across = cross(out, along);
+    std::vector<PatchSound> waves;
+    waves.reserve(array.elements.size());
+    for (const Element& element : array.elements) {
+        const std::complex<double> wave = propagation(array, element, point);
+        const Vec3 way = (point - element.position) * (1.0 / distance(element, point));
+        if (dot(way, out) < 0.0)
+            waves.push_back({wave, dot(way, along) * wave, dot(way, across) * wave});
+        else
+            waves.emplace_back();
+    }
+    return waves;
+}
+
+PatchSound sound_at_patch(std::span<const PatchSound> waves, std::span<const std::complex<double>> drives) {
+    PatchSound sum;
+    for (std::size_t m = 0; m < waves.size(); ++m)
+        sum += {drives[m] * waves[m].pressure, drives[m] * waves[m].along, drives[m] * waves[m].across};
+    return sum;
+}
+
 namespace {
 
 using Matrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/acoustics/pattern.hpp"
+#include "haptogram/acoustics/propagation.hpp"
 
 namespace haptogram {
 

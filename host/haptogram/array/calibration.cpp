@@ -8,7 +8,6 @@
 #include "haptogram/base/bundle.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/toml_section.hpp"
-#include "haptogram/base/toml_value.hpp"
 
 namespace haptogram {
 namespace {

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/base/shipped_table.hpp"
 
 namespace haptogram {
 

@@ -1,9 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace haptogram {
+
+/// A file that was compiled in; CMake writes the table from the files themselves (host/CMakeLists.txt).
+struct ShippedFile {
+    std::string_view name;  ///< FOLDER/NAME
+    std::string_view content;
+};
+[[nodiscard]] std::span<const ShippedFile> shipped_table();
+
+}  // namespace haptogram
 
 /// Files that are compiled into the library, so that it finds them wherever it is linked into: arrays, transducers,
 /// boards. They are named "shipped:FOLDER/NAME"; read_file() takes such a name like a path.

@@ -14,7 +14,7 @@
 #endif
 
 #include "haptogram/base/system.hpp"
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 
 extern char** environ;
 

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "haptogram/base/system.hpp"
-#include "haptogram/base/token.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram::system {
 

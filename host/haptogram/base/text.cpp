@@ -2,10 +2,12 @@
 #include "haptogram/base/text.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <random>
 #include <system_error>
 #include <utility>
 
@@ -103,6 +105,19 @@ Error bad_coordinate(std::string where, std::string_view found) {
                      fmt::format("found {}, expected a finite coordinate with a decimal point, at most {:.0e}; "
                                  "correct or remove it",
                                  found.empty() ? "nothing" : shown(found), largest_coordinate));
+}
+
+std::string make_token() {
+    std::random_device random;  // of the processor or the system, no sequence
+    return fmt::format("{:08x}{:08x}{:08x}{:08x}", random(), random(), random(), random());
+}
+
+bool is_token(std::string_view found, std::string_view expected) {
+    if (found.size() != expected.size()) return false;
+    unsigned char difference = 0;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        difference = static_cast<unsigned char>(difference | (found[i] ^ expected[i]));
+    return difference == 0;
 }
 
 }  // namespace haptogram

@@ -69,4 +69,10 @@ void split_at(char separator, std::string_view line, Fields& fields);
 /// The error of a word that should have been a coordinate.
 [[nodiscard]] Error bad_coordinate(std::string where, std::string_view found);
 
+/// 128 bits from the system's random source, as 32 hexadecimal digits. @throws Error{failed} when there is none
+[[nodiscard]] std::string make_token();
+
+/// Whether a token is the right one, in a time that does not tell how much of it is right.
+[[nodiscard]] bool is_token(std::string_view found, std::string_view expected);
+
 }  // namespace haptogram

@@ -18,7 +18,6 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/text.hpp"
-#include "haptogram/format/single_waveform.hpp"
 
 namespace haptogram {
 namespace {

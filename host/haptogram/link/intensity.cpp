@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/link/transfer.hpp"
 
 namespace haptogram::link {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "haptogram/format/triggered_part.hpp"
+#include "haptogram/format/path.hpp"
 #include "haptogram/link/modulate.hpp"
 #include "haptogram/link/outputs.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/shape/curve.hpp"
+#include "haptogram/shape/draw.hpp"
 #include "haptogram/shape/place.hpp"
 
 namespace haptogram {

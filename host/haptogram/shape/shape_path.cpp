@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/shape/sample.hpp"
 #include "haptogram/shape/tour.hpp"
 
 namespace haptogram {

@@ -3,13 +3,217 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <deque>
 #include <limits>
 #include <nanoflann.hpp>
 #include <numeric>
+#include <random>
+#include <span>
 #include <utility>
 
+#include "haptogram/base/error.hpp"
+
 namespace haptogram {
+namespace {
+
+struct Candidate {
+    Vec3 at;
+    double gap2 = std::numeric_limits<double>::infinity();  ///< square of the distance to the nearest chosen point
+    std::size_t index = 0;
+};
+
+bool is_farther(const Candidate& a, const Candidate& b) {
+    return a.gap2 > b.gap2 || (a.gap2 == b.gap2 && a.index < b.index);
+}
+
+/// Neighbouring candidates, with the box around them. When a newly chosen point is far from the box, no candidate in
+/// it changes, and one comparison with the box replaces one with each candidate.
+struct Group {
+    std::span<Candidate> members;
+    Vec3 low, high;
+    Candidate farthest;
+};
+
+double square(double a) { return a * a; }
+
+/// Square of the distance from `p` to the box. It never exceeds that to any member, even after rounding, because every
+/// step of both calculations is monotonic.
+double box_gap2(const Group& group, Vec3 p) {
+    const auto outside = [](double low, double high, double v) { return std::max({low - v, v - high, 0.0}); };
+    return square(outside(group.low.x, group.high.x, p.x)) + square(outside(group.low.y, group.high.y, p.y)) +
+           square(outside(group.low.z, group.high.z, p.z));
+}
+
+void choose(Vec3 p, Group& group) {
+    for (Candidate& candidate : group.members)
+        candidate.gap2 = std::min(
+            candidate.gap2, square(candidate.at.x - p.x) + square(candidate.at.y - p.y) + square(candidate.at.z - p.z));
+    group.farthest = *std::min_element(group.members.begin(), group.members.end(), is_farther);
+}
+
+/// Halves the widest axis at the median until groups are small.
+void divide(std::span<Candidate> members, std::vector<Group>& groups) {
+    constexpr std::size_t largest_group = 128;
+    Group group{members, members.front().at, members.front().at, members.front()};
+    double widest = -1.0;
+    double Vec3::*across = &Vec3::x;
+    for (double Vec3::*const axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+        for (const Candidate& candidate : members) {
+            group.low.*axis = std::min(group.low.*axis, candidate.at.*axis);
+            group.high.*axis = std::max(group.high.*axis, candidate.at.*axis);
+        }
+        if (group.high.*axis - group.low.*axis > widest) {
+            widest = group.high.*axis - group.low.*axis;
+            across = axis;
+        }
+    }
+    if (members.size() <= largest_group) {
+        groups.push_back(group);
+        return;
+    }
+    const std::size_t half = members.size() / 2;
+    std::nth_element(members.begin(), members.begin() + static_cast<std::ptrdiff_t>(half), members.end(),
+                     [across](const Candidate& a, const Candidate& b) { return a.at.*across < b.at.*across; });
+    divide(members.first(half), groups);
+    divide(members.subspan(half), groups);
+}
+
+}  // namespace
+
+std::vector<std::size_t> farthest_points(const std::vector<Vec3>& candidates, std::size_t count, std::size_t first) {
+    std::vector<std::size_t> chosen;
+    if (candidates.empty() || count == 0) return chosen;
+    std::vector<Candidate> all(candidates.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = {candidates[i], std::numeric_limits<double>::infinity(), i};
+    Candidate next = all.at(first);
+    std::vector<Group> groups;
+    divide(all, groups);
+    while (chosen.size() < count && next.gap2 > 0.0) {
+        chosen.push_back(next.index);
+        const Vec3 p = next.at;
+        next.gap2 = 0.0;
+        for (Group& group : groups) {
+            if (box_gap2(group, p) < group.farthest.gap2) choose(p, group);
+            if (is_farther(group.farthest, next)) next = group.farthest;
+        }
+    }
+    return chosen;
+}
+
+namespace {
+
+/// In [0, 1), equal on every platform, which std::uniform_real_distribution does not promise.
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+
+template <class Kind>
+std::vector<const Kind*> pieces_of(const Shape& shape) {
+    std::vector<const Kind*> found;
+    for (const Piece& piece : shape.pieces)
+        if (const Kind* const one = std::get_if<Kind>(&piece)) found.push_back(one);
+    return found;
+}
+
+void along(const Curve& curve, std::size_t count, std::vector<Vec3>& out) {
+    if (count == 1 && !curve.closed) {
+        out.push_back(curve.at(0.5 * curve.length));
+        return;
+    }
+    const auto steps = static_cast<double>(curve.closed ? count : count - 1);
+    for (std::size_t i = 0; i < count; ++i)
+        out.push_back(curve.at(std::min(curve.length, curve.length * (static_cast<double>(i) / steps))));
+}
+
+void along(const std::vector<const Curve*>& curves, std::size_t count, std::vector<Vec3>& out) {
+    if (curves.empty()) return;
+    std::vector<double> lengths;
+    lengths.reserve(curves.size());
+    for (const Curve* curve : curves) lengths.push_back(curve->length);
+    const std::vector<std::size_t> shares = share(count, lengths);
+    for (std::size_t i = 0; i < curves.size(); ++i)
+        if (shares[i] > 0) along(*curves[i], shares[i], out);
+}
+
+/// Random points, equally dense everywhere on the surface. The triangles are laid out in a row by their areas; even
+/// steps along the row, from a random start, choose the triangle of each point.
+void over(const std::vector<const Mesh*>& meshes, std::size_t count, std::mt19937_64& random, std::vector<Vec3>& out) {
+    struct Triangle {
+        Vec3 corner, side, other_side;
+        double area_until;
+    };
+    std::vector<Triangle> strip;
+    double area = 0.0;
+    for (const Mesh* mesh : meshes) {
+        for (const auto& [a, b, c] : mesh->triangles) {
+            const Vec3 corner = mesh->vertices[a];
+            const Vec3 side = mesh->vertices[b] - corner;
+            const Vec3 other_side = mesh->vertices[c] - corner;
+            area += 0.5 * norm(cross(side, other_side));
+            strip.push_back({corner, side, other_side, area});
+        }
+    }
+    if (area == 0.0) return;
+    const double start = uniform(random);
+    auto triangle = strip.begin();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double at = area * (static_cast<double>(i) + start) / static_cast<double>(count);
+        while (triangle->area_until < at && triangle + 1 != strip.end()) ++triangle;
+        const double root = std::sqrt(uniform(random));  // evenly over a triangle: Osada et al. 2002, eq. 1
+        const double part = uniform(random);
+        out.push_back(triangle->corner + root * (1.0 - part) * triangle->side + root * part * triangle->other_side);
+    }
+}
+
+}  // namespace
+
+std::vector<std::size_t> share(std::size_t count, const std::vector<double>& weights) {
+    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::vector<std::size_t> shares(weights.size());
+    std::vector<double> remainders(weights.size());
+    std::size_t given = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double exact = total > 0.0 ? static_cast<double>(count) * weights[i] / total : 0.0;
+        shares[i] = std::min(static_cast<std::size_t>(exact), count - given);
+        remainders[i] = exact - std::floor(exact);
+        given += shares[i];
+    }
+    std::vector<std::size_t> order(weights.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return remainders[a] > remainders[b]; });
+    for (std::size_t k = 0; given < count; ++k, ++given) ++shares[order[k % order.size()]];
+    return shares;
+}
+
+Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
+    if (count == 0)
+        throw bad_argument("points", "found 0, expected at least 1; ask for as many points as the hand shall feel",
+                           {"points"});
+    const auto curves = pieces_of<Curve>(shape);
+    const auto meshes = pieces_of<Mesh>(shape);
+    const auto clouds = pieces_of<Cloud>(shape);
+    constexpr std::size_t least_candidates = 10'000;
+    constexpr std::size_t candidates_per_point = 20;
+    const std::size_t dense = std::max(candidates_per_point * count, least_candidates);
+    const bool only_curves = meshes.empty() && clouds.empty();
+
+    std::mt19937_64 random(seed);
+    std::vector<Vec3> candidates;
+    along(curves, only_curves ? count : dense, candidates);
+    over(meshes, dense, random, candidates);
+    for (const Cloud* cloud : clouds) candidates.insert(candidates.end(), cloud->points.begin(), cloud->points.end());
+    if (candidates.empty())
+        throw bad_argument("shape", "found nothing, expected a curve, a surface or points; name a shape", {"shape"});
+
+    const auto first = static_cast<std::size_t>(uniform(random) * static_cast<double>(candidates.size()));
+    std::vector<std::size_t> chosen = farthest_points(candidates, count, first);
+    std::sort(chosen.begin(), chosen.end());
+    Sampled sampled;
+    for (const std::size_t index : chosen) sampled.points.push_back(candidates[index]);
+    if (chosen.size() < count) sampled.duplicates_removed = candidates.size() - chosen.size();
+    return sampled;
+}
+
 namespace {
 
 /// The points as nanoflann wants to see them.

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "haptogram/array/array.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/format/path.hpp"
-#include "haptogram/format/record.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/solve/solver.hpp"
 
 namespace haptogram {

@@ -71,7 +71,6 @@ HWY_AFTER_NAMESPACE();
 #include <numbers>
 #include <numeric>
 
-#include "haptogram/acoustics/pattern.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 

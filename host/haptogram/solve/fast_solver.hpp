@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/solve/solver.hpp"
 
 namespace haptogram {

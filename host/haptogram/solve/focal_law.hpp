@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptogram/array/array.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 
 namespace haptogram {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/format/record.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/format/schedule.hpp"
 
 namespace haptogram {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/solve/pressure_left.hpp"
+#include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/focus_analysis.hpp"
 #include "haptogram/verbs/timeline.hpp"
 

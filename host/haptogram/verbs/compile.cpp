@@ -17,7 +17,7 @@
 #include "haptogram/shape/adaptics.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"
-#include "haptogram/shape/reach.hpp"
+#include "haptogram/shape/place.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/focus_image.hpp"
@@ -509,99 +509,140 @@ Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint1
     return compiled;
 }
 
-Compiled compile_on(const ProjectInstrument& instrument, const Project& project, const std::string& name,
-                    const Progress& progress, Shape* placed = nullptr, FociFrom from = FociFrom::memory) {
-    const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
-    const Timer timer = timer_of(kind, instrument.array, instrument.core);
-    const std::size_t most_samples =
-        kind == ImageKind::foci ? std::max(1U, instrument.core.parameters.modulation_depth) : most_record_samples;
-    std::string hashes;
-    progress(0.0, "reading shapes");
-    if (!project.path.empty()) {
-        Path path = path_in_file(project, instrument.array, timer.carrier_hz(), hashes);
-        const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
-        const auto magnitude = feel(path, project, instrument.array);
-        progress(0.8, "focusing");
-        Compiled compiled =
-            compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
-                         Method::gauss_newton, project.quantise, kind, from);
-        compiled.am_hz = am_hz;
-        compiled.magnitude = magnitude;
-        warn_of_few_samples(compiled, project);
-        progress(1.0, "focusing");
-        return compiled;
+/// What all of one call of compile() needs.
+struct Job {
+    const ProjectInstrument& instrument;
+    const Project& project;
+    const std::string& name;
+    const Progress& progress;
+    ImageKind kind;
+    double carrier_hz;
+    std::string hashes{};  // of the contents that were read
+    std::vector<std::string> warnings{};
+
+    [[nodiscard]] std::size_t most_samples() const {
+        return kind == ImageKind::foci ? std::max(1U, instrument.core.parameters.modulation_depth)
+                                       : most_record_samples;
     }
-    if (project.hand) {
-        std::vector<std::string> warnings;
-        std::optional<PathMagnitude> magnitude;
-        Path path = path_of_hand(project, instrument, timer.carrier_hz(), hashes, warnings, magnitude);
-        progress(0.8, "focusing");
-        Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
-                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
-        compiled.magnitude = magnitude;
-        compiled.warnings.insert(compiled.warnings.begin(), warnings.begin(), warnings.end());
-        progress(1.0, "focusing");
-        return compiled;
-    }
-    std::vector<std::string> warnings;
-    PlacedShapes all;
-    all.whole = placed_at(gather(project, hashes, warnings, &all.ends), placement(project));
-    const Shape own = project.key_frames.empty() ? Shape{} : own_shape(project, all);
-    const Shape& shape = project.key_frames.empty() ? all.whole : own;
-    progress(0.3, "sampling");
-    const interface::CoreParameters& core = instrument.core.parameters;
-    const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
-    const ShapePathOptions options{project.points,
-                                   project.seed,
-                                   project.clip,
-                                   std::min(held, core.sequence_depth - 1),
-                                   instrument.core.name,
-                                   fmt::format("{} {}records, {} sequence entries", held,
-                                               kind == ImageKind::foci ? "focus " : "", core.sequence_depth - 1)};
+};
+
+/// The image of a path whose amplitudes are as they shall be.
+Compiled focused(const Job& job, Path path, FociFrom from = FociFrom::memory) {
+    job.progress(0.8, "focusing");
+    Compiled compiled = compile_path(std::move(path), job.instrument, job.project.loops, job.name,
+                                     settings_text(job.project) + job.hashes, Method::gauss_newton,
+                                     job.project.quantise, job.kind, from);
+    compiled.warnings.insert(compiled.warnings.begin(), job.warnings.begin(), job.warnings.end());
+    job.progress(1.0, "focusing");
+    return compiled;
+}
+
+/// The same with the amplitudes that the project asks for.
+Compiled focused_as_asked(Job& job, Path path, FociFrom from = FociFrom::memory) {
+    const std::vector<double> am_hz = modulate(path, job.project, job.carrier_hz, job.most_samples(), job.hashes);
+    const auto magnitude = feel(path, job.project, job.instrument.array);
+    Compiled compiled = focused(job, std::move(path), from);
+    compiled.am_hz = am_hz;
+    compiled.magnitude = magnitude;
+    return compiled;
+}
+
+Compiled compile_path_file(Job& job, FociFrom from) {
+    Path path = path_in_file(job.project, job.instrument.array, job.carrier_hz, job.hashes);
+    Compiled compiled = focused_as_asked(job, std::move(path), from);
+    warn_of_few_samples(compiled, job.project);
+    return compiled;
+}
+
+Compiled compile_hand(Job& job) {
+    std::optional<PathMagnitude> magnitude;
+    Path path = path_of_hand(job.project, job.instrument, job.carrier_hz, job.hashes, job.warnings, magnitude);
+    Compiled compiled = focused(job, std::move(path));
+    compiled.magnitude = magnitude;
+    return compiled;
+}
+
+ShapePathOptions path_options(const Job& job) {
+    const interface::CoreParameters& core = job.instrument.core.parameters;
+    const bool foci = job.kind == ImageKind::foci;
+    const std::uint32_t held = foci ? job.instrument.core.most_focus_records() : core.records;
+    return {job.project.points,
+            job.project.seed,
+            job.project.clip,
+            std::min(held, core.sequence_depth - 1),
+            job.instrument.core.name,
+            fmt::format("{} {}records, {} sequence entries", held, foci ? "focus " : "", core.sequence_depth - 1)};
+}
+
+/// How a shape came to be a path.
+struct ShapePath {
     TouredPoints points;
     Path path;
     std::optional<DrawnPace> pace;
     std::optional<Evened> evened;
-    if (project.pace.speed_m_s || project.pace.frequency_hz) {
-        Drawing drawing = drawing_of(project, shape, instrument.array, timer.carrier_hz(), options);
-        if (project.even) evened = make_even(drawing.stretches, instrument.array);
-        path = path_of(drawing.stretches);
-        pace = pace_of(drawing, path, timer.carrier_hz());
-        points = std::move(drawing.points);
-    } else {
-        points = tour_of(shape, instrument.array, options);
-        path = path_through(points.points,
-                            even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
-        if (project.even) {
-            std::vector<Stretch> stretches;
-            for (const PathStep& step : path.steps) stretches.push_back({step.foci, static_cast<double>(step.periods)});
-            evened = make_even(stretches, instrument.array);
-            path = path_of(stretches);
-        }
+};
+
+ShapePath drawn_path(const Job& job, const Shape& shape, const ShapePathOptions& options) {
+    ShapePath made;
+    Drawing drawing = drawing_of(job.project, shape, job.instrument.array, job.carrier_hz, options);
+    if (job.project.even) made.evened = make_even(drawing.stretches, job.instrument.array);
+    made.path = path_of(drawing.stretches);
+    made.pace = pace_of(drawing, made.path, job.carrier_hz);
+    made.points = std::move(drawing.points);
+    return made;
+}
+
+ShapePath toured_path(const Job& job, const Shape& shape, const ShapePathOptions& options) {
+    ShapePath made;
+    made.points = tour_of(shape, job.instrument.array, options);
+    made.path = path_through(made.points.points,
+                             even_dwells(job.carrier_hz, job.project.rate_hz, made.points.points.size(), most_dwell));
+    if (job.project.even) {
+        std::vector<Stretch> stretches;
+        for (const PathStep& step : made.path.steps)
+            stretches.push_back({step.foci, static_cast<double>(step.periods)});
+        made.evened = make_even(stretches, job.instrument.array);
+        made.path = path_of(stretches);
     }
+    return made;
+}
+
+Compiled compile_shapes(Job& job, Shape* placed) {
+    const Project& project = job.project;
+    PlacedShapes all;
+    all.whole = placed_at(gather(project, job.hashes, job.warnings, &all.ends), placement(project));
+    const Shape own = project.key_frames.empty() ? Shape{} : own_shape(project, all);
+    const Shape& shape = project.key_frames.empty() ? all.whole : own;
+    job.progress(0.3, "sampling");
+    const ShapePathOptions options = path_options(job);
+    const bool is_drawn = project.pace.speed_m_s || project.pace.frequency_hz;
+    ShapePath made = is_drawn ? drawn_path(job, shape, options) : toured_path(job, shape, options);
     if (project.fade) {
         if (project.magnitude)
             throw bad_argument("fade", "a magnitude makes all foci feel alike; leave one of them out",
                                {"fade", "magnitude"});
-        apply(*project.fade, bounding_box(shape), path);
+        apply(*project.fade, bounding_box(shape), made.path);
     }
     if (!project.key_frames.empty())
-        path = with_key_frames(project, path, bounding_box(shape).center(), all, instrument.array, timer.carrier_hz(),
-                               options, core.sequence_depth - 1, warnings);
-    const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
-    const auto magnitude = feel(path, project, instrument.array);
-    progress(0.8, "focusing");
-    Compiled compiled = compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
-                                     Method::gauss_newton, project.quantise, kind);
+        made.path =
+            with_key_frames(project, made.path, bounding_box(shape).center(), all, job.instrument.array, job.carrier_hz,
+                            options, job.instrument.core.parameters.sequence_depth - 1, job.warnings);
+    Compiled compiled = focused_as_asked(job, std::move(made.path));
     if (placed != nullptr) *placed = std::move(all.whole);
-    compiled.warnings.insert(compiled.warnings.begin(), warnings.begin(), warnings.end());
-    compiled.points = std::move(points);
-    compiled.pace = pace;
-    compiled.evened = evened;
-    compiled.am_hz = am_hz;
-    compiled.magnitude = magnitude;
-    progress(1.0, "focusing");
+    compiled.points = std::move(made.points);
+    compiled.pace = made.pace;
+    compiled.evened = made.evened;
     return compiled;
+}
+
+Compiled compile_on(const ProjectInstrument& instrument, const Project& project, const std::string& name,
+                    const Progress& progress, Shape* placed = nullptr, FociFrom from = FociFrom::memory) {
+    const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
+    Job job{instrument, project, name, progress, kind, timer_of(kind, instrument.array, instrument.core).carrier_hz()};
+    progress(0.0, "reading shapes");
+    if (!project.path.empty()) return compile_path_file(job, from);
+    if (project.hand) return compile_hand(job);
+    return compile_shapes(job, placed);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "haptogram/shape/shape.hpp"
 #include "haptogram/shape/shape_path.hpp"
 #include "haptogram/solve/even.hpp"
-#include "haptogram/solve/pressure_left.hpp"
+#include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/project.hpp"
 
 namespace haptogram {

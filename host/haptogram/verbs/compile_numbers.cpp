@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/verbs/compile_numbers.hpp"
 
-#include "haptogram/format/formation.hpp"
+#include "haptogram/format/schedule.hpp"
 
 namespace haptogram {
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/verbs/focus_analysis.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/skin_force.hpp"
+#include "haptogram/base/error.hpp"
 
 namespace haptogram {
 namespace {
@@ -131,6 +135,56 @@ Loudness loudness(const Array& array, std::span<const WeightedDrives> sequence) 
     const double top = square[highest];
     return {sound_level_db(std::sqrt(2.0 * top)), z[highest], sound_level_db(std::sqrt(2.0 * square.back())),
             top / (array.medium.density_kg_m3 * array.medium.speed_m_s)};
+}
+
+std::vector<WeightedDrives> Excitation::sequence() const {
+    std::vector<WeightedDrives> found;
+    for (std::size_t i = 0; i < drives.size(); ++i) found.push_back({weights[i], drives[i]});
+    return found;
+}
+
+void weaken(Excitation& excitation, double factor) {
+    for (std::vector<std::complex<double>>& drives : excitation.drives)
+        for (std::complex<double>& drive : drives) drive *= factor;
+}
+
+Excitation excitation_of(const Array& array, Vec3 focus) {
+    if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
+    return {array,
+            {ideal_drives(array, focus)},
+            {1.0},
+            {focus},
+            fmt::format("{}, exact phases for ({:g},{:g},{:g}) mm", array.name, focus.x / millimetre,
+                        focus.y / millimetre, focus.z / millimetre)};
+}
+
+Excitation only(const Excitation& excitation, std::size_t place) {
+    if (place >= excitation.drives.size())
+        throw bad_argument("record",
+                           fmt::format("there are {} sets of drives, not {}", excitation.drives.size(), place + 1));
+    return {excitation.array, {excitation.drives[place]}, {1.0}, {}, excitation.title};
+}
+
+Envelope envelope_of(std::span<const Pulse> pulses, double clock_hz, std::uint64_t cycle_clocks, bool silent_before) {
+    std::map<std::uint32_t, std::vector<std::uint64_t>> rises;
+    for (const Pulse& pulse : pulses) rises[pulse.channel].push_back(pulse.rise);
+    const auto most = std::max_element(rises.begin(), rises.end(),
+                                       [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    Envelope envelope;
+    if (most == rises.end()) return envelope;
+    const std::vector<std::uint64_t>& times = most->second;
+    std::vector<std::uint64_t> begins;
+    for (std::size_t i = silent_before ? 1 : 0; i < times.size(); ++i)
+        if (i == 0 || 2 * (times[i] - times[i - 1]) > 3 * cycle_clocks) begins.push_back(times[i]);
+    envelope.bursts = begins.size();
+    if (begins.size() >= 2)
+        envelope.frequency_hz =
+            static_cast<double>(begins.size() - 1) * clock_hz / static_cast<double>(begins.back() - begins.front());
+    return envelope;
+}
+
+double share_of_full_drive(const Array& array, std::span<const std::complex<double>> drives, Vec3 focus) {
+    return std::abs(pressure(array, drives, focus)) / std::abs(pressure(array, ideal_drives(array, focus), focus));
 }
 
 }  // namespace haptogram

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/array/array.hpp"
-#include "haptogram/format/formation.hpp"
+#include "haptogram/format/pulses.hpp"
+#include "haptogram/format/schedule.hpp"
 
 namespace haptogram {
 
@@ -45,5 +49,50 @@ struct Loudness {
     double intensity_w_m2 = 0.0;  ///< p_rms²/(ρc) where it is highest
 };
 [[nodiscard]] Loudness loudness(const Array& array, std::span<const WeightedDrives> sequence);
+
+/// What makes a sound field: sets of drives, each for its share of the time.
+struct Excitation {
+    Array array;
+    std::vector<std::vector<std::complex<double>>> drives;  ///< one an element, Pa·m
+    std::vector<double> weights;                            ///< of each set; only their ratios matter
+    std::vector<Vec3> foci;                                 ///< that were asked for, metres
+    std::string title;                                      ///< in words, for pictures
+
+    /// The same in the form that the functions of acoustics/field.hpp take. It refers to this object, and is valid as
+    /// long as this object is.
+    [[nodiscard]] std::vector<WeightedDrives> sequence() const;
+};
+
+/// Multiplies every drive. With the root of a modulation's mean square, mean squares and radiation pressures become
+/// those of the modulated sound.
+void weaken(Excitation& excitation, double factor);
+
+/// One focal point, exact phases, full strength.
+/// @throws Error{bad_argument} when the array cannot reach it
+[[nodiscard]] Excitation excitation_of(const Array& array, Vec3 focus);
+
+/// One of the sets of drives, as if it played alone.
+/// @param place  counted from 0
+/// @throws Error{bad_argument} when there is no such set
+[[nodiscard]] Excitation only(const Excitation& excitation, std::size_t place);
+
+/// A square modulation, as bursts of pulses at the pins show it.
+struct Envelope {
+    std::size_t bursts = 0;     ///< with silence before them
+    double frequency_hz = 0.0;  ///< from the first of these to the last; 0 when there are not two
+};
+
+/// Finds the bursts of the channel that has the most pulses. Between two pulses of a burst there is one carrier period,
+/// give or take half of one, by which a change of record may move a pulse.
+/// @param pulses         in the order of time in each channel, as PulseRecorder has them
+/// @param cycle_clocks   of the carrier
+/// @param silent_before  whether the pins were silent before the first pulse because nothing played yet, so that the
+/// first burst may be the rest of a longer one, and is not counted
+[[nodiscard]] Envelope envelope_of(std::span<const Pulse> pulses, double clock_hz, std::uint64_t cycle_clocks,
+                                   bool silent_before = true);
+
+/// The pressure amplitude that drives make at a focus, over that of exact phases at full drive: 0…1.
+/// @param drives  one an element, Pa·m, as measure() has them
+[[nodiscard]] double share_of_full_drive(const Array& array, std::span<const std::complex<double>> drives, Vec3 focus);
 
 }  // namespace haptogram

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptogram/array/array.hpp"
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 #include "haptogram/format/path.hpp"
 
 namespace haptogram {

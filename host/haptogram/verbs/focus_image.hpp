@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "haptogram/array/array.hpp"
+#include "haptogram/format/bundle.hpp"
 #include "haptogram/format/core.hpp"
 #include "haptogram/format/image.hpp"
-#include "haptogram/format/manifest.hpp"
 #include "haptogram/format/path.hpp"
 
 namespace haptogram {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a rendering is of, as a user names it: a recording of hands, and the object that they feel. What becomes of it
-// is the extension *hand*'s (hand/open.hpp, hand/project.hpp).
+// is the extension *hand*'s (hand/recording.hpp, hand/project.hpp).
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -37,7 +37,7 @@ struct ObjectSource {
 /// Whether it is the name of a file. A name that is neither is for open_object() to refuse.
 [[nodiscard]] bool names_mesh(const ObjectSource& source);
 
-/// How the name of a script of hand/synthetic.hpp begins, in place of a file's.
+/// How the name of a script of hand/recording.hpp begins, in place of a file's.
 inline constexpr std::string_view synthetic_prefix = "synthetic:";
 
 /// A recording's name without that of the tracker's mounting behind it, and the latter, hands.json@desk.toml.

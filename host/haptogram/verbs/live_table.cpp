@@ -7,7 +7,6 @@
 
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/toml_section.hpp"
-#include "haptogram/base/toml_value.hpp"
 #include "haptogram/verbs/project.hpp"
 
 namespace haptogram {

@@ -3,7 +3,7 @@
 #include <complex>
 #include <vector>
 
-#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/bundle.hpp"
 #include "haptogram/format/pulses.hpp"
 
 namespace haptogram {

@@ -12,9 +12,9 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/format/board.hpp"
+#include "haptogram/format/bundle.hpp"
 #include "haptogram/format/ecp5_config.hpp"
 #include "haptogram/format/image.hpp"
-#include "haptogram/format/manifest.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/source.hpp"
 

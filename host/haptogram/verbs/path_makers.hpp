@@ -34,7 +34,7 @@ struct PathMakers {
     /// The path of a project with a hand (hand/project.hpp has one).
     std::function<RenderedPath(const Project& project, const ProjectInstrument& instrument)> of_hand{};
     /// Multiplies the amplitudes of a path so that every focus feels as strong as the project's magnitude says
-    /// (perception/path_magnitude.hpp has one).
+    /// (perception/magnitude.hpp has one).
     std::function<PathMagnitude(Path& path, const Project& project, const Array& array)> of_magnitude{};
 };
 

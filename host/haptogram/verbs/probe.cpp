@@ -10,8 +10,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "haptogram/acoustics/disc.hpp"
 #include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {

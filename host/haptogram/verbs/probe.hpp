@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "haptogram/acoustics/drive_sequence.hpp"
+#include "haptogram/acoustics/drive.hpp"
 #include "haptogram/format/path.hpp"
 #include "haptogram/verbs/field.hpp"
 

@@ -11,7 +11,6 @@
 #include "haptogram/base/bundle.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/toml_section.hpp"
-#include "haptogram/base/toml_value.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "haptogram/verbs/settings.hpp"
 

@@ -9,7 +9,6 @@
 
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/shape/draw.hpp"
-#include "haptogram/shape/fade.hpp"
 #include "haptogram/shape/key_frames.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/shape/primitives.hpp"

@@ -18,7 +18,6 @@
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/field.hpp"
-#include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
 

@@ -7,9 +7,9 @@
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/core.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/format/path.hpp"
-#include "haptogram/format/record.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
 

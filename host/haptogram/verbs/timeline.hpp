@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/acoustics/drive_sequence.hpp"
+#include "haptogram/acoustics/drive.hpp"
 #include "haptogram/format/bundle.hpp"
 #include "haptogram/format/path.hpp"
 #include "haptogram/format/pulses.hpp"
-#include "haptogram/verbs/excitation.hpp"
+#include "haptogram/verbs/focus_analysis.hpp"
 
 namespace haptogram {
 

@@ -11,7 +11,6 @@
 #include "haptogram/array/millimetres.hpp"
 #include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/verbs/live_scene.hpp"
 
 namespace haptogram {
 namespace {

@@ -14,7 +14,13 @@
 #include "haptogram/link/play.hpp"
 #include "haptogram/verbs/trigger_table.hpp"
 
+#pragma once
+
 namespace haptogram {
+
+/// Of the lines in which a live session tells its scenes: 2 tells all objects. Triggers read the hands, which are the
+/// same from version 1 on.
+inline constexpr int scene_version = 2, oldest_scene_version = 1;
 
 /// What lines of text say: the key or the word of a trigger, or a scene of a live session, whose hands enter regions.
 class TriggerLines {

@@ -9,7 +9,6 @@
 #include "haptogram/array/millimetres.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/toml_section.hpp"
-#include "haptogram/base/toml_value.hpp"
 
 namespace haptogram {
 namespace {

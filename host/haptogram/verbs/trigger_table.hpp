@@ -11,7 +11,7 @@
 #include "haptogram/array/vec3.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/format/image.hpp"
-#include "haptogram/format/triggered_part.hpp"
+#include "haptogram/format/path.hpp"
 
 namespace haptogram {
 

@@ -7,7 +7,6 @@
 #include "haptogram/verbs/analyze.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/field.hpp"
-#include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "native.hpp"

@@ -13,7 +13,7 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/format/timer.hpp"
+#include "haptogram/format/schedule.hpp"
 #include "haptogram/solve/focal_law.hpp"
 
 namespace haptogram {

@@ -2,16 +2,71 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "haptogram/acoustics/drive_sequence.hpp"
+#include "haptogram/acoustics/drive.hpp"
 #include "haptogram/acoustics/skin_force.hpp"
+#include "haptogram/array/array.hpp"
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/path.hpp"
 #include "haptogram/perception/felt.hpp"
-#include "haptogram/perception/sound.hpp"
 #include "haptogram/verbs/timeline.hpp"
+
+#pragma once
+
+namespace haptogram::perception {
+
+/// Skin as a damped membrane on a soft foundation: w'' = c²∇²w − 2γw' − ω₀²w + P/m. It explains why a focus that moves
+/// about as fast as waves in the skin is felt best (Frier et al. 2018). The parameters are ours, chosen so that the
+/// deflection is largest between 5 and 7 m/s; nobody measured this membrane.
+struct SkinMembrane {
+    double wave_speed_m_s = 6.0;    ///< c; shear waves in skin travel at 3 to 7 m/s
+    double damping_1_s = 300.0;     ///< γ
+    double foundation_hz = 60.0;    ///< ω₀/2π
+    double focus_width_m = 8.6e-3;  ///< full width at half maximum of the radiation pressure, a Gaussian
+};
+
+inline constexpr double fastest_wave_m_s = 12.0;  ///< up to which the model is used
+
+/// The largest deflection under a focus that moves along a straight line at one speed, over that of a focus that rests.
+/// In Fourier space W(k) = P(k)/(ω₀² + c²k² − (k·v)² + 2jγ(k·v)); it is summed on a square of 400 mm with 512 × 512
+/// points. By symmetry the largest deflection is on the line.
+/// @throws Error{bad_argument} naming "speed" outside of 0 to 12 m/s
+[[nodiscard]] double deflection_over_static(double speed_m_s, const SkinMembrane& skin = {});
+
+/// How much a sequence is likely to be heard, beside a reference.
+///
+/// Air makes sound of the envelope E of strong ultrasound in proportion to d²(E²)/dt² (Berktay 1965). E² is taken as
+/// the sum of |drive|² over the elements after the transducers' bandwidth, so that steps of the phase, at which a
+/// carrier dips, make noise as changes of the amplitude do. Directions and the room are left out: differences between
+/// sequences of one array mean something, and the level at an ear does not follow.
+struct Noise {
+    double relative_db = 0.0;  ///< A-weighted, 20 Hz to 16 kHz, over that of every element at full drive under a sine
+                               ///< from 0 to 1 at 200 Hz; −∞ for a steady drive
+    double loudest_hz = 0.0;   ///< the strongest line; 0 for a steady drive
+    double largest_step_deg = 0.0;  ///< of any element's phase from one carrier period to the next
+    std::vector<Line> lines;        ///< A-weighted second derivatives of E², in the unit of the reference's sum
+};
+/// @throws Error{bad_input} for a sequence of nothing
+[[nodiscard]] Noise noise_of(const Array& array, const DriveSequence& sequence);
+
+/// What reaches a listener.
+struct Exposure {
+    Vec3 ear;              ///< metres, array frame
+    double mean_db = 0.0;  ///< of the mean square over the sequence, dB SPL
+    double most_db = 0.0;  ///< of the loudest set of drives, if it stayed
+};
+/// Ultrasound at an ear, in a free field: without head, hand and walls.
+/// @throws Error{bad_input} when the ear coincides with an element
+[[nodiscard]] std::vector<Exposure> exposure(const Array& array, const DriveSequence& sequence,
+                                             std::span<const Vec3> ears);
+
+/// The largest mean level on a hemisphere in front of the array, around its centre, looked at every 2 degrees.
+[[nodiscard]] Exposure loudest_around(const Array& array, const DriveSequence& sequence, double radius_m = 0.5);
+
+}  // namespace haptogram::perception
 
 namespace haptogram {
 
@@ -56,7 +111,7 @@ struct Feeling {
     std::vector<FeltPlace> places;
     double mean_pa = 0.0, spread = 0.0;  ///< over the places: the time-averaged pressure, and standard deviation/mean
     std::optional<double> speed_m_s;     ///< of the focus, where it moves less than its width at a time
-    std::optional<double> wave_gain;     ///< by waves in the skin at that speed (perception/skin_wave.hpp)
+    std::optional<double> wave_gain;     ///< by waves in the skin at that speed (perception/feel.hpp)
     double extent_m = 0.0;               ///< diagonal of the box around all foci
     std::optional<double> nearest_m;     ///< between two foci that sound at the same time
     perception::Noise noise;

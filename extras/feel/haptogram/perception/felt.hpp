@@ -1,15 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "haptogram/perception/spectrum.hpp"
 #include "haptogram/perception/tables.hpp"
-#include "haptogram/perception/threshold.hpp"
 
 namespace haptogram::perception {
+
+// How much two stimuli must differ to be told apart. The numbers are other people's, of other skin and other devices,
+// so they are ranges.
+
+/// How many steps of strength lie between the least that is felt and a vibration that is `over_db` above it: at least
+/// and at most, by steps of 2.98 and 1.65 dB (Israr et al. 2006: sines of 2 to 300 Hz at the index finger's pad, 20 and
+/// 35 dB above the least felt). 0 below the least.
+[[nodiscard]] std::array<unsigned, 2> strength_steps(double over_db);
+
+/// The next higher frequency that is told from `hz`: at least and at most, by Weber fractions of 0.13 and 0.38 (the
+/// same work). Nothing outside of its 2 to 300 Hz.
+[[nodiscard]] std::optional<std::array<double, 2>> next_frequency_hz(double hz);
+
+/// Two foci that sound at the same time, nearer to each other than this, were taken for one by more than 95 % (Howard
+/// et al. 2022: amplitude modulation, on the palm).
+inline constexpr double fused_below_m = 15e-3;
+/// Mean error of a hand that points at where it feels a focus (Wilson et al. 2014).
+inline constexpr double place_error_m = 8.5e-3;
+
+/// A sinusoidal part of a signal that repeats.
+struct Line {
+    double hz = 0.0;
+    double amplitude = 0.0;  ///< peak value, in the signal's unit
+};
+
+/// The lines of a signal that repeats, from 0 Hz, its mean, up to half the sampling rate: those of the discrete Fourier
+/// transform, rate/n apart for n samples. A line is A·cos(2πft + φ).
+/// @param rate_hz  of the samples
+[[nodiscard]] std::vector<Line> lines_of(std::span<const double> samples, double rate_hz);
+
+/// The A-weighting of IEC 61672-1, as a factor on an amplitude: 1 at 1 kHz.
+[[nodiscard]] double a_weighting(double hz);
 
 /// What a threshold of a vibration rests on.
 enum class Basis {
@@ -22,7 +53,7 @@ enum class Basis {
 /// The least vibrating force that is felt, as the peak value of a sine, N.
 ///
 /// The tables give the mean output of a square wave of 50 % duty. Its part at the frequency of modulation is 4/π of
-/// that mean (perception/waveform.hpp), and is what skin feels. Beyond the tables' frequencies the threshold follows
+/// that mean (perception/magnitude.hpp), and is what skin feels. Beyond the tables' frequencies the threshold follows
 /// least_displacement_db(), fixed to the tables at their end. That takes the skin for equally soft at both frequencies,
 /// which is a choice of ours: such a threshold is an estimate.
 struct LeastForce {

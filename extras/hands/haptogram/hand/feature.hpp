@@ -1,15 +1,80 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "haptogram/hand/contour.hpp"
 #include "haptogram/hand/object.hpp"
-#include "haptogram/hand/skin_line.hpp"
 #include "haptogram/hand/surface.hpp"
 
 namespace haptogram {
+
+/// Random numbers from a key of whole numbers, the same on every machine: splitmix64 (Steele, Lea and Flood 2014).
+class KeyedRandom {
+public:
+    KeyedRandom(std::initializer_list<std::int64_t> key) {
+        for (const std::int64_t part : key) {
+            state_ ^= static_cast<std::uint64_t>(part);
+            state_ = next();
+        }
+    }
+
+    /// In [low, high).
+    double uniform(double low, double high) {
+        return low + (high - low) * static_cast<double>(next() >> 11U) * 0x1p-53;
+    }
+
+private:
+    std::uint64_t next() {
+        std::uint64_t mixed = state_ += 0x9e3779b97f4a7c15U;
+        mixed = (mixed ^ (mixed >> 30U)) * 0xbf58476d1ce4e5b9U;
+        mixed = (mixed ^ (mixed >> 27U)) * 0x94d049bb133111ebU;
+        return mixed ^ (mixed >> 31U);
+    }
+
+    std::uint64_t state_ = 0;
+};
+
+/// Random numbers of simulated sensors, the same on every machine. Not installed: no public header includes it.
+class Noise {
+public:
+    explicit Noise(std::uint64_t seed) : generator_(seed) {}
+    /// Normal, of standard deviation 1 (Box and Muller's transform).
+    double normal() {
+        const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+        return radius * std::cos(2.0 * std::numbers::pi * uniform());
+    }
+    /// From 0 to less than 1.
+    double uniform() { return static_cast<double>(generator_() >> 11U) * 0x1p-53; }
+
+private:
+    std::mt19937_64 generator_;
+};
+
+/// Short random lines on the skin inside an object. The paper names them; their measures are ours.
+struct GrainOptions {
+    double spacing_m = 6e-3;  ///< a line for each square, or each cube, of this edge
+    double length_m = 4e-3;
+    std::size_t points = 5;  ///< of a line
+    std::uint64_t seed = 1;
+};
+
+/// Other lines at every time (Shapes, algorithm E): each square of the raster whose middle is inside gets a line, which
+/// begins at a random place of the square and turns at random, as far as the raster goes.
+[[nodiscard]] std::vector<SkinLine> random_grain(const SkinRegion& region, const DepthMap& map, double time_s,
+                                                 std::size_t number, const GrainOptions& options);
+
+/// Lines that stay where they are in space (Shapes, algorithm F): each cube of a lattice in which the skin is inside
+/// gets a line in the cube that only depends on the cube and the seed, laid onto the skin. A hand that does not move
+/// feels the same lines again.
+[[nodiscard]] std::vector<SkinLine> fixed_grain(const SkinRegion& region, const DepthMap& map, std::size_t number,
+                                                const GrainOptions& options);
 
 /// What is drawn where a corner of the object meets the hand (Shapes, algorithm B).
 enum class CornerFigure { circle, pulsing, line, triangle, points };

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/noise.hpp"
+#include "haptogram/hand/feature.hpp"
 
 namespace haptogram {
 namespace {

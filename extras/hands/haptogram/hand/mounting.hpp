@@ -9,7 +9,7 @@
 
 #include "haptogram/array/pose.hpp"
 #include "haptogram/hand/hand.hpp"
-#include "haptogram/hand/pose_file.hpp"
+#include "haptogram/hand/recording.hpp"
 
 namespace haptogram {
 

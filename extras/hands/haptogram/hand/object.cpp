@@ -12,7 +12,7 @@
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
-#include "haptogram/hand/mesh_solid.hpp"
+#include "haptogram/hand/solid.hpp"
 #include "haptogram/verbs/hand_source.hpp"
 
 namespace haptogram {

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "haptogram/base/file.hpp"
-#include "haptogram/format/timer.hpp"
-#include "haptogram/hand/open.hpp"
-#include "haptogram/perception/path_magnitude.hpp"
+#include "haptogram/format/schedule.hpp"
+#include "haptogram/hand/recording.hpp"
+#include "haptogram/perception/magnitude.hpp"
 
 namespace haptogram {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/open.hpp"
+#include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/render.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/project.hpp"

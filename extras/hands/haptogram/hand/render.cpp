@@ -17,8 +17,8 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/picture.hpp"
 #include "haptogram/format/waveform.hpp"
-#include "haptogram/hand/voice.hpp"
-#include "haptogram/perception/path_magnitude.hpp"
+#include "haptogram/hand/touch.hpp"
+#include "haptogram/perception/magnitude.hpp"
 #include "haptogram/solve/solver.hpp"
 
 namespace haptogram {
@@ -165,6 +165,96 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
     rendered.magnitude = give_magnitude(rendered.path, commands);
 }
 
+/// Thousandths of a millimetre are enough to draw.
+ordered_json drawn_mm(Vec3 p) {
+    const auto rounded = [](double metres) { return std::round(metres / millimetre * 1e3) / 1e3; };
+    return {rounded(p.x), rounded(p.y), rounded(p.z)};
+}
+
+/// The object's distance in planes of one height, from which the picture takes its outlines.
+ordered_json drawn_slices(const TouchObject& object) {
+    constexpr int heights = 9, across = 61;
+    constexpr double rim = 5e-3;
+    const auto share = [](int i, int count, double low, double high) { return low + (high - low) * (i + 0.5) / count; };
+    ordered_json slices = ordered_json::array();
+    for (int k = 0; k < heights; ++k) {
+        const double z = share(k, heights, object.low.z, object.high.z);
+        ordered_json distances = ordered_json::array();
+        for (int j = 0; j < across; ++j)
+            for (int i = 0; i < across; ++i)
+                distances.push_back(
+                    std::round(1e6 *
+                               object.solid.distance({share(i, across, object.low.x - rim, object.high.x + rim),
+                                                      share(j, across, object.low.y - rim, object.high.y + rim), z})) /
+                    1e3);
+        slices.push_back({{"z_mm", z / millimetre},
+                          {"low_mm", drawn_mm(object.low - Vec3{rim, rim, 0.0})},
+                          {"high_mm", drawn_mm(object.high + Vec3{rim, rim, 0.0})},
+                          {"across", across},
+                          {"distances_mm", std::move(distances)}});
+    }
+    return slices;
+}
+
+/// The mean square pressure of a path's pass at points.
+std::vector<float> squares_of(const Path& pass, const Array& array, const std::vector<Vec3>& points) {
+    std::vector<std::vector<std::complex<double>>> drives;
+    std::vector<WeightedDrives> sequence;
+    for (const PathStep& step : pass.steps) {
+        std::vector<std::complex<double>> some(array.elements.size());
+        if (!step.foci.empty()) some = solve(array, step.foci);
+        for (auto& drive : some) drive *= array.transducer.source_pa_m;
+        drives.push_back(std::move(some));
+    }
+    for (std::size_t i = 0; i < drives.size(); ++i)
+        sequence.push_back({static_cast<double>(pass.steps[i].periods), drives[i]});
+    return mean_square_pressure_at(array, sequence, points, {.threads = 0});
+}
+
+/// A frame's hand, lines, and the radiation pressure on its skin.
+ordered_json drawn_frame(const FrameReport& report, const TouchObject& object, const HandFrame& frame,
+                         const Array& array, double carrier_hz, const RenderOptions& options) {
+    constexpr std::size_t skip = 2;
+    const std::vector<SkinRegion> skin = skin_of(frame, report.frame, options.skin);
+    const Touch made = touch_of(options.algorithm, object, skin, frame.time_s, options.touch);
+    PathPen pen(array, carrier_hz, options.dwell.value_or(usual_dwell(options.algorithm)));
+    (void)pen.play_pass(made.voices, options.points);
+    std::vector<Vec3> points, normals;
+    for (const SkinRegion& region : skin)
+        for (std::size_t row = 0; row < region.rows; row += skip)
+            for (std::size_t column = 0; column < region.columns; column += skip) {
+                points.push_back(region.point(row, column));
+                normals.push_back(region.normals[row * region.columns + column]);
+            }
+    const std::vector<float> squares = squares_of(pen.path(), array, points);
+    const Hand& hand = frame.hands.front();
+    ordered_json drawn = {{"frame", report.frame},
+                          {"time_s", report.time_s},
+                          {"palm_mm", drawn_mm(hand.palm)},
+                          {"direction", {hand.direction.x, hand.direction.y, hand.direction.z}},
+                          {"normal", {hand.normal.x, hand.normal.y, hand.normal.z}},
+                          {"length_mm", report.length_m / millimetre},
+                          {"draw_hz", report.draw_hz},
+                          {"strength_pa", report.strength_pa},
+                          {"tilt", report.tilt},
+                          {"points_mm", ordered_json::array()},
+                          {"radiation_pa", ordered_json::array()},
+                          {"lines", ordered_json::array()}};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        drawn["points_mm"].push_back(drawn_mm(points[i]));
+        const double rms = std::sqrt(static_cast<double>(squares[i]));
+        drawn["radiation_pa"].push_back(
+            std::round(1e3 * radiation_pressure(std::sqrt(2.0) * rms, array.medium) * tilt_of(points[i], normals[i])) /
+            1e3);
+    }
+    for (const SkinLine& line : made.lines) {
+        ordered_json some = ordered_json::array();
+        for (const SkinPoint& point : opened(line)) some.push_back(drawn_mm(point.position));
+        drawn["lines"].push_back({{"kind", name_of(line.kind)}, {"points_mm", std::move(some)}});
+    }
+    return drawn;
+}
+
 }  // namespace
 
 std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame, const SkinOptions& options) {
@@ -299,102 +389,29 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
 
 void draw_render(const std::string& path, const TouchObject& object, const HandRecording& hands, const Array& array,
                  double carrier_hz, const RenderOptions& options, const Rendered& rendered) {
-    constexpr std::size_t most_panels = 6, skip = 2;
+    constexpr std::size_t most_panels = 6;
     std::vector<const FrameReport*> touching;
     for (const FrameReport& report : rendered.frames)
         if (report.foci > 0) touching.push_back(&report);
-    const auto mm = [](Vec3 p) {
-        const auto rounded = [](double metres) { return std::round(metres / millimetre * 1e3) / 1e3; };
-        return ordered_json{rounded(p.x), rounded(p.y), rounded(p.z)};
-    };
     ordered_json json = {
         {"object", object.name},
         {"algorithm", fmt::format("{}: {}", name_of(options.algorithm).letter, name_of(options.algorithm).about)},
         {"array", array.name},
         {"elements_mm", ordered_json::array()},
         {"edges_mm", ordered_json::array()},
-        {"slices", ordered_json::array()},
+        {"slices", drawn_slices(object)},
         {"frames", ordered_json::array()}};
-    for (const Element& element : array.elements) json["elements_mm"].push_back(mm(element.position));
+    for (const Element& element : array.elements) json["elements_mm"].push_back(drawn_mm(element.position));
     for (const Edge& edge : object.edges) {
         ordered_json points = ordered_json::array();
-        for (const Vec3& p : edge) points.push_back(mm(p));
+        for (const Vec3& p : edge) points.push_back(drawn_mm(p));
         json["edges_mm"].push_back(std::move(points));
-    }
-    // The solid in planes of one height, from which the picture takes its outlines.
-    constexpr int heights = 9, across = 61;
-    for (int k = 0; k < heights; ++k) {
-        const auto share = [](int i, int count, double low, double high) {
-            return low + (high - low) * (i + 0.5) / count;
-        };
-        const double z = share(k, heights, object.low.z, object.high.z), rim = 5e-3;
-        ordered_json distances = ordered_json::array();
-        for (int j = 0; j < across; ++j)
-            for (int i = 0; i < across; ++i)
-                distances.push_back(
-                    std::round(1e6 *
-                               object.solid.distance({share(i, across, object.low.x - rim, object.high.x + rim),
-                                                      share(j, across, object.low.y - rim, object.high.y + rim), z})) /
-                    1e3);
-        json["slices"].push_back({{"z_mm", z / millimetre},
-                                  {"low_mm", mm(object.low - Vec3{rim, rim, 0.0})},
-                                  {"high_mm", mm(object.high + Vec3{rim, rim, 0.0})},
-                                  {"across", across},
-                                  {"distances_mm", std::move(distances)}});
     }
     const std::size_t panels = std::min(most_panels, touching.size());
     for (std::size_t k = 0; k < panels; ++k) {
         const FrameReport& report = *touching[panels == 1 ? 0 : k * (touching.size() - 1) / (panels - 1)];
-        const HandFrame& frame = hands.frames[report.frame - 1];
-        const std::vector<SkinRegion> skin = skin_of(frame, report.frame, options.skin);
-        const Touch made = touch_of(options.algorithm, object, skin, frame.time_s, options.touch);
-        PathPen pen(array, carrier_hz, options.dwell.value_or(usual_dwell(options.algorithm)));
-        (void)pen.play_pass(made.voices, options.points);
-        const Path pass = pen.path();
-        std::vector<Vec3> points, normals;
-        for (const SkinRegion& region : skin)
-            for (std::size_t row = 0; row < region.rows; row += skip)
-                for (std::size_t column = 0; column < region.columns; column += skip) {
-                    points.push_back(region.point(row, column));
-                    normals.push_back(region.normals[row * region.columns + column]);
-                }
-        std::vector<std::vector<std::complex<double>>> drives;
-        std::vector<WeightedDrives> sequence;
-        for (const PathStep& step : pass.steps) {
-            std::vector<std::complex<double>> some(array.elements.size());
-            if (!step.foci.empty()) some = solve(array, step.foci);
-            for (auto& drive : some) drive *= array.transducer.source_pa_m;
-            drives.push_back(std::move(some));
-        }
-        for (std::size_t i = 0; i < drives.size(); ++i)
-            sequence.push_back({static_cast<double>(pass.steps[i].periods), drives[i]});
-        const std::vector<float> squares = mean_square_pressure_at(array, sequence, points, {.threads = 0});
-        const Hand& hand = frame.hands.front();
-        ordered_json drawn = {{"frame", report.frame},
-                              {"time_s", report.time_s},
-                              {"palm_mm", mm(hand.palm)},
-                              {"direction", {hand.direction.x, hand.direction.y, hand.direction.z}},
-                              {"normal", {hand.normal.x, hand.normal.y, hand.normal.z}},
-                              {"length_mm", report.length_m / millimetre},
-                              {"draw_hz", report.draw_hz},
-                              {"strength_pa", report.strength_pa},
-                              {"tilt", report.tilt},
-                              {"points_mm", ordered_json::array()},
-                              {"radiation_pa", ordered_json::array()},
-                              {"lines", ordered_json::array()}};
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            drawn["points_mm"].push_back(mm(points[i]));
-            const double rms = std::sqrt(static_cast<double>(squares[i]));
-            drawn["radiation_pa"].push_back(std::round(1e3 * radiation_pressure(std::sqrt(2.0) * rms, array.medium) *
-                                                       tilt_of(points[i], normals[i])) /
-                                            1e3);
-        }
-        for (const SkinLine& line : made.lines) {
-            ordered_json some = ordered_json::array();
-            for (const SkinPoint& point : opened(line)) some.push_back(mm(point.position));
-            drawn["lines"].push_back({{"kind", name_of(line.kind)}, {"points_mm", std::move(some)}});
-        }
-        json["frames"].push_back(std::move(drawn));
+        json["frames"].push_back(
+            drawn_frame(report, object, hands.frames[report.frame - 1], array, carrier_hz, options));
     }
     Picture picture("shipped:tools/plot_touch.py");
     picture.add("touch.json", json.dump());

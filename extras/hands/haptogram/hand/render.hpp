@@ -41,11 +41,10 @@ struct RenderOptions {
     std::string am;  ///< waveform of the amplitude, as modulation_of() reads it; empty: the algorithm's own, if any
     std::filesystem::path am_folder;  ///< that relative names of files in it start from
     AmplitudeLaw am_law = AmplitudeLaw::pressure;
-    std::optional<double>
-        magnitude;           ///< how strong each focus feels under that waveform (perception/path_magnitude.hpp)
-    double amplitude = 1.0;  ///< of all foci, of the most that the array can make: above 0, at most 1
-    double least_force_n = 0.63e-3;  ///< below which a place counts as not felt: what a palm needs (Multimodal, Table
-                                     ///< III, for a hand that holds 1 N)
+    std::optional<double> magnitude;  ///< how strong each focus feels under that waveform (perception/magnitude.hpp)
+    double amplitude = 1.0;           ///< of all foci, of the most that the array can make: above 0, at most 1
+    double least_force_n = 0.63e-3;   ///< below which a place counts as not felt: what a palm needs (Multimodal, Table
+                                      ///< III, for a hand that holds 1 N)
 };
 
 /// What became of one frame.

@@ -9,7 +9,7 @@
 
 #include "haptogram/format/path.hpp"
 #include "haptogram/hand/hand.hpp"
-#include "haptogram/hand/section.hpp"
+#include "haptogram/hand/surface.hpp"
 #include "haptogram/live/depth.hpp"
 
 namespace haptogram::live {

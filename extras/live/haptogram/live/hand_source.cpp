@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/leap.hpp"
 #include "haptogram/hand/mounting.hpp"
+#include "haptogram/hand/recording.hpp"
 
 namespace haptogram::live {
 

@@ -9,10 +9,29 @@
 #include <utility>
 
 #include "haptogram/base/live_input.hpp"
+#include "haptogram/hand/object.hpp"
+#include "haptogram/hand/recording.hpp"
+#include "haptogram/live/frame.hpp"
 #include "haptogram/live/hand_feeler.hpp"
-#include "haptogram/live/opened_objects.hpp"
 
 namespace haptogram::live {
+
+/// Opens objects as open_object() does, but reads each mesh file once: where it stands, how it is turned and how large
+/// it is then costs no more than a look at its corners.
+class OpenedObjects {
+public:
+    /// @throws as open_object()
+    [[nodiscard]] TouchObject open(const ObjectSource& source);
+    /// What a scene tells of it.
+    /// @throws as open_object()
+    [[nodiscard]] FeltObject told(const std::string& name, const ObjectSource& source);
+
+private:
+    struct Body;
+    [[nodiscard]] const Body& body_of(const ObjectSource& source);
+
+    std::map<std::pair<std::string, std::string>, std::shared_ptr<const Body>> bodies_;  ///< by file and unit
+};
 
 /// The objects that hands feel, over time: one that the command line names, and what lines of JSON bring, move and take
 /// away (README.md). A file is a script, whose lines are due at their times; of a pipe they count as they come.

@@ -10,14 +10,12 @@
 
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/ring.hpp"
-#include "haptogram/hand/ring_on_finger.hpp"
-#include "haptogram/hand/section.hpp"
 #include "haptogram/hand/surface.hpp"
-#include "haptogram/live/cloud.hpp"
+#include "haptogram/live/cluster.hpp"
 #include "haptogram/live/frame.hpp"
-#include "haptogram/live/prediction.hpp"
+#include "haptogram/live/hand_feeler.hpp"
 #include "haptogram/live/touch_scene.hpp"
-#include "haptogram/perception/path_magnitude.hpp"
+#include "haptogram/perception/magnitude.hpp"
 
 namespace haptogram::live {
 
@@ -31,7 +29,7 @@ struct FingerOptions {
     SkinOptions skin;                                                         ///< of a tracker's hands
     double rate_hz = 30.0;                                                    ///< of shots
     FeltObject object{"object", "cube", 40e-3, {}, {.origin = {0, 0, 0.2}}};  ///< as it begins
-    /// How strong a still focus feels by the Multimodal paper's tables (perception/path_magnitude.hpp), which are of
+    /// How strong a still focus feels by the Multimodal paper's tables (perception/magnitude.hpp), which are of
     /// palms and of one focus that rests and is modulated.
     std::optional<double> magnitude;
 };

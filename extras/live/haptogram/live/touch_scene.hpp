@@ -1,18 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
+#include <cstddef>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "haptogram/array/rig.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/hand/solid.hpp"
 #include "haptogram/live/cluster.hpp"
-#include "haptogram/live/crossing.hpp"
-#include "haptogram/live/god_object.hpp"
-#include "haptogram/live/world.hpp"
 
 namespace haptogram {
+
+/// Where a finger goes through an object's surface. The middle of what is inside may lie nearer to another face than to
+/// the one that the finger came in by, so the points just outside tell: each votes for the face that is nearest to it.
+/// Beside an edge a finger goes through two faces, and the one wins that it goes through with the greater part of its
+/// section. The paper does not say how it finds the normal; this is ours.
+class Crossing {
+public:
+    /// @param outside  the finger's points close to the surface and not inside, in the solid's frame, metres
+    Crossing(const Solid& solid, std::span<const Vec3> outside);
+    /// That of two parts of a finger together.
+    Crossing(const Crossing& a, const Crossing& b);
+
+    /// Into the object, length 1: the mean of the votes within 45° of that about which the finger's section is largest;
+    /// nothing when nobody votes.
+    [[nodiscard]] std::optional<Vec3> inward() const;
+    /// How much of the finger goes through what faces a direction within 45°, m²: of the convex hull of those that vote
+    /// so, seen along it. 0 for fewer than three.
+    [[nodiscard]] double area(Vec3 inward) const;
+
+private:
+    struct Vote {
+        Vec3 place, inward;
+    };
+    std::vector<Vote> votes_;
+};
+
+/// The direction in which a solid's distance falls fastest, length 1; nothing where it has none, as midway between two
+/// faces.
+[[nodiscard]] std::optional<Vec3> inward_at(const Solid& solid, Vec3 place);
+
+/// How far it is from a place in the solid to its surface, against the inward direction; 0 outside.
+[[nodiscard]] double depth_along(const Solid& solid, Vec3 place, Vec3 inward);
+
+/// How a finger pushes an object (Fingers, section 3, "Physics simulation"). The paper gives no numbers; these are
+/// ours.
+struct ContactOptions {
+    double stiffness_n_m = 200.0;
+    double damping_n_s_m = 1.0;
+    double static_friction = 0.8, dynamic_friction = 0.6;
+    double spread_m = 3e-3;  ///< four further god-objects are so far from the middle one, in the contact's plane
+};
+/// @throws Error{bad_argument} naming what is negative or not finite, or a dynamic friction above the static one
+void require_sound(const ContactOptions& options);
+
+/// Where the god-object goes when the friction does not hold it: x_g + [(x − x_g)·t − μ_d (x − x_g)·n] t, when
+/// (x − x_g)·t > μ_s (x − x_g)·n, with t the direction of the part of x − x_g along the surface; else it stays.
+/// @param inward  into the object, length 1. The paper does not say which way n points; only so the friction is
+/// positive
+[[nodiscard]] Vec3 slid(Vec3 god_object, Vec3 finger, Vec3 inward, double static_friction, double dynamic_friction);
+
+/// A force on an object, and where it acts, array frame.
+struct Push {
+    Vec3 force;  ///< N
+    Vec3 place;
+};
+
+/// A finger in an object: the middle of its points, held by a spring and a damper to where it came in, and four points
+/// around it that move with it, so that a grasp also resists turning. Each has a fifth of the stiffness and of the
+/// damping. A finger's own turning is not sensed, so the four keep their directions.
+class FingerContact {
+public:
+    static constexpr std::size_t god_objects = 5;
+
+    /// @param finger  where it came in, array frame
+    /// @param inward  the surface's normal there, into the object, array frame, length 1
+    /// @param body    the object's pose
+    FingerContact(const ContactOptions& options, Vec3 finger, Vec3 inward, const Pose& body);
+
+    /// The forces on the object for a finger at a place, and the god-objects moved by friction. A finger pushes only:
+    /// of a god-object whose force would pull the object outwards there is none.
+    /// @param velocity_of  of the object's material at a place, m/s
+    [[nodiscard]] std::array<Push, god_objects> pushes(Vec3 finger, Vec3 finger_velocity, const Pose& body,
+                                                       const std::function<Vec3(Vec3 place)>& velocity_of);
+    /// Whether the finger has come out again: (x − x_g)·n < 0 in the middle.
+    [[nodiscard]] bool ended(Vec3 finger, const Pose& body) const;
+
+    /// Turns the contact to another normal, as when a finger has slid round a bend or over an edge. Each spring turns
+    /// about the finger with the normal, so it keeps its length and its energy.
+    /// @param inward  array frame, length 1
+    void turn(Vec3 finger, Vec3 inward, const Pose& body);
+
+    /// The middle god-object, and the normal into the object there, array frame.
+    [[nodiscard]] Vec3 place(const Pose& body) const { return body.outwards(gods_[0]); }
+    [[nodiscard]] Vec3 inward(const Pose& body) const { return body.turned(inward_); }
+    /// The same normal in the object's own frame.
+    [[nodiscard]] Vec3 inward_of_body() const { return inward_; }
+    /// ½·K·(x − x_g)² of all springs whose god-object is pushed inwards, J.
+    [[nodiscard]] double spring_energy(Vec3 finger, const Pose& body) const;
+
+private:
+    ContactOptions options_;
+    std::array<Vec3, god_objects> offsets_;  ///< of the finger's points from its middle, array frame
+    std::array<Vec3, god_objects> gods_;     ///< in the object's own frame, which carries them
+    Vec3 inward_;                            ///< in the object's own frame
+};
+
+/// Where objects are and what acts on them beside hands. The paper has gravity and walls, and no numbers; these are
+/// ours.
+struct WorldOptions {
+    Vec3 gravity{0, 0, -9.80665};                    ///< m/s²
+    Vec3 low{-0.1, -0.1, 0.1}, high{0.1, 0.1, 0.3};  ///< walls, floor and ceiling that objects do not leave
+    double friction = 0.5;                           ///< between objects, and with walls
+    /// 16 in each step of 60 Hz. What is in a wall is put out again, and gains height: in so short a step nothing that
+    /// falls gets in by more than Bullet's margin. And a force holds for a whole step, which is as if a spring came too
+    /// late: in longer ones a cube that swings between two fingers gains energy.
+    double step_s = 1.0 / 960.0;
+};
+
+/// A thing that can be touched and moved.
+struct BodyOptions {
+    double mass_kg = 0.1;  ///< 0: it stays where it is, whatever pushes it
+    Pose pose;
+};
+
+/// Rigid bodies by Bullet, in single precision, with an order that does not depend on the machine. Bullet's own
+/// distances are made for things of about a metre, so inside everything is twenty times as large.
+class World {
+public:
+    /// @throws Error{bad_argument} for walls without room between them, or numbers that are negative or not finite
+    explicit World(const WorldOptions& options = {});
+    ~World();
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+
+    /// Adds a body of an object's kind and size. Its own frame has its origin in the middle of the object's box, where
+    /// its mass is.
+    /// @param kind  cube, sphere or cylinder
+    /// @return its number, from 0
+    /// @throws Error{bad_argument} for another kind, or measures that are not positive
+    std::size_t add(std::string_view kind, double size_m, double height_m, const BodyOptions& options);
+
+    [[nodiscard]] std::size_t bodies() const;
+    [[nodiscard]] Pose pose(std::size_t body) const;
+    [[nodiscard]] Vec3 velocity_at(std::size_t body, Vec3 place) const;  ///< of its material, m/s
+    [[nodiscard]] double mass(std::size_t body) const;
+    /// Kinetic energy, and m·g·height above the floor, J.
+    [[nodiscard]] double energy(std::size_t body) const;
+
+    /// A force in the next step alone.
+    void push(std::size_t body, Vec3 force, Vec3 place);
+    /// Goes on by one step of options.step_s.
+    void step();
+    [[nodiscard]] const WorldOptions& options() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 /// An object that hands touch, and what happens then. Defaults where the paper says nothing are ours.
 struct SceneOptions {

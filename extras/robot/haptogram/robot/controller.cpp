@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/geometry.hpp"
 
 namespace haptogram::robot {
 

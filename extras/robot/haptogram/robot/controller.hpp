@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/robot/admittance.hpp"
-#include "haptogram/robot/drives.hpp"
-#include "haptogram/robot/rest.hpp"
+#include "haptogram/robot/plant.hpp"
 #include "haptogram/robot/tension.hpp"
+#include "haptogram/robot/workspace.hpp"
 
 namespace haptogram::robot {
 

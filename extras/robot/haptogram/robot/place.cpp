@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/hand/synthetic.hpp"
-#include "haptogram/robot/feature_mode.hpp"
+#include "haptogram/hand/recording.hpp"
+#include "haptogram/robot/modes.hpp"
 
 namespace haptogram::fusion {
 namespace {

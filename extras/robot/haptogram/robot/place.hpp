@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/robot/palm_mode.hpp"
-#include "haptogram/robot/together.hpp"
+#include "haptogram/robot/modes.hpp"
+#include "haptogram/robot/scenes.hpp"
 
 // Task T4 of the paper Multimodal: carry a virtual cube to a height that only touch tells.
 

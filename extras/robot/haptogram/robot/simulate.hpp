@@ -4,7 +4,7 @@
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/robot/controller.hpp"
-#include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/geometry.hpp"
 #include "haptogram/robot/plant.hpp"
 
 namespace haptogram::robot {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/geometry.hpp"
 
 namespace haptogram::robot {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "haptogram/scattering/body.hpp"
+#include "haptogram/scattering/shells.hpp"
 #include "haptogram/scattering/dense.hpp"
 #include "haptogram/scattering/kernel.hpp"
 

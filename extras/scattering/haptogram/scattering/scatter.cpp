@@ -8,14 +8,13 @@
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/acoustics/skin_pressure.hpp"
+#include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/ring.hpp"
-#include "haptogram/hand/ring_on_finger.hpp"
-#include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatterer.hpp"
+#include "haptogram/scattering/shells.hpp"
 #include "haptogram/scattering/skin.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"

@@ -8,7 +8,7 @@
 #include "haptogram/array/array.hpp"
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/path.hpp"
-#include "haptogram/scattering/body.hpp"
+#include "haptogram/scattering/shells.hpp"
 #include "haptogram/shape/place.hpp"
 
 namespace haptogram::scattering {
@@ -37,11 +37,11 @@ struct ScatterSource {
     std::optional<Vec3>
         ring{};             ///< or ten foci in turn around the built-in finger, where a surface through here cuts it
     Vec3 inward{0, 0, -1};  ///< of the ring: into the object whose surface that is
-    bool weighed = false;   ///< of the ring: with the amplitudes that `live` gives it (hand/ring_on_finger.hpp)
+    bool weighed = false;   ///< of the ring: with the amplitudes that `live` gives it (hand/ring.hpp)
     std::string array = "tile-10x10";
     std::string rig;              ///< instead of the array
     bool foci_inside = false;     ///< foci inside of the body are meant, and no mistake
-    bool flat_estimate = false;   ///< also the estimate of acoustics/skin_pressure.hpp, for comparison
+    bool flat_estimate = false;   ///< also the estimate of acoustics/skin_force.hpp, for comparison
     double least_elements = 6.0;  ///< triangles a wavelength, along the mean edge
 };
 

@@ -1,15 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <complex>
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "haptogram/acoustics/field.hpp"
 #include "haptogram/scattering/boundary_matrix.hpp"
-#include "haptogram/scattering/incident.hpp"
+#include "haptogram/scattering/shells.hpp"
 
 namespace haptogram::scattering {
+
+/// The sound that would be at a body's panels without the body, one value a panel, in the convention e^{jωt}.
+struct IncidentSound {
+    std::vector<std::complex<float>> pressure;  ///< Pa
+    std::vector<std::complex<float>> slope;     ///< along the panel's normal, Pa/m
+};
+
+/// What an array sends. Errors as pressure_at().
+[[nodiscard]] IncidentSound incident_from(const Array& array, Drives drives, const Body& body,
+                                          const FieldOptions& options = {});
+/// A plane wave of 1 Pa with phase 0 at the origin.
+/// @param direction  in which it travels, of any length but 0
+[[nodiscard]] IncidentSound plane_wave_on(const Body& body, Vec3 direction, double wave_number);
+/// A point source of 1 Pa·m: e^{−jkR}/R. It lies outside of the body.
+[[nodiscard]] IncidentSound point_source_on(const Body& body, Vec3 source, double wave_number);
+
+/// The scattered pressure at a point outside of the body, Pa: ∫p ∂G/∂n dS (Kirchhoff and Helmholtz), with each panel as
+/// one point, so further away than some edges.
+/// @param pressure  total, on the panels
+[[nodiscard]] std::complex<double> scattered_at(const Body& body, std::span<const std::complex<float>> pressure,
+                                                double wave_number, Vec3 point);
+
+/// The same far away: r·e^{jkr} times it as r grows, Pa·m. @param direction  of length 1
+[[nodiscard]] std::complex<double> scattered_far(const Body& body, std::span<const std::complex<float>> pressure,
+                                                 double wave_number, Vec3 direction);
 
 struct ScatteringOptions {
     /// Of the equation's derivative along the normal, in units of 1/k. 0 leaves it out: then the error is large near

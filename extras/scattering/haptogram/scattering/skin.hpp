@@ -6,10 +6,17 @@
 #include <span>
 #include <vector>
 
+#include "haptogram/acoustics/finger_sound.hpp"
 #include "haptogram/array/medium.hpp"
-#include "haptogram/scattering/body.hpp"
+#include "haptogram/scattering/shells.hpp"
 
 namespace haptogram::scattering {
+
+/// The values of acoustics/finger_sound.hpp for one size, by boundary elements: a capsule of seven radii, whose other
+/// end stands for the hand, in one plane wave a tilt.
+/// @param size      wave number times radius
+/// @param elements  triangles a wavelength
+[[nodiscard]] FingerSound::Values finger_sound_by_elements(const FingerSound::Grid& grid, double size, double elements);
 
 /// The surface of a rigid body, on which the pressure is known at the panels' centres. It refers to the body.
 class Skin {
