@@ -14,8 +14,7 @@ PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/
          "docs/tiles.md": 2, "extras/hardware/README.md": 1, "host/arrays/README.md": 2, "extras/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
 OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
-    "tests/coverage/README.md": "the same",
-    "tests/mutation/README.md": "the same",
+    "tests/README.md": "the same",
     "extras/scattering/README.md": "takes minutes; test_scatter.py has the commands",
     "python/README.md": "installs, and needs boards and cameras; tests/python has the commands",
     "extras/studies/README.md": "asks people; tests/python has the commands",
