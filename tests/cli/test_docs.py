@@ -43,7 +43,7 @@ def test_a_dead_link_of_the_site_is_found(tmp_path):
 @pytest.fixture
 def stage(tmp_path, monkeypatch, program):
     monkeypatch.setattr(docs, "PAGES", tmp_path)
-    return docs.Stage(["docs/foci.md", "rtl/README.md", "host/cli/README.md"], Path(program))
+    return docs.Stage(["docs/foci.md", "rtl/README.md", "host/README.md"], Path(program))
 
 
 def staged(stage, folder, text):
