@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/build-one.md": 3, "docs/calibrate.md": 5, "docs/foci.md": 1, "extras/papers/hoshi.md": 2, "docs/rendering.md": 1,
+PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/build-one.md": 3, "extras/calibration/README.md": 5, "docs/foci.md": 1, "extras/papers/README.md": 2, "extras/hands/README.md": 1,
          "docs/tiles.md": 2, "extras/hardware/README.md": 1, "host/arrays/README.md": 2, "extras/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
 OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
@@ -35,7 +35,7 @@ def test_every_command_of_the_page_runs(page, program, tmp_path):
     (folder / "haptogram").symlink_to(program)
     (folder / "python3").write_text(f"#!/bin/sh\nexec '{sys.executable}' \"$@\"\n")  # which has numpy
     (folder / "python3").chmod(0o755)
-    for name in ("tools", "hardware"):  # whose files a page names
+    for name in ("tools", "extras"):  # whose files a page names
         (tmp_path / name).symlink_to(ROOT / name)
     blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
     assert len(blocks) >= PAGES[page]
