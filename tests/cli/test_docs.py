@@ -94,7 +94,7 @@ def test_every_page_of_docs_is_in_the_sites_order():
 
 def test_a_makers_questions_have_an_answer_and_lead_to_its_page():
     """That the page and its section are there, tools/lint checks."""
-    text = (ROOT / "docs/makers-questions.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
     questions = re.findall(r"^- \*\*[^*]+\*\* (.*(?:\n  .*)*)", text, re.MULTILINE)
     assert len(questions) >= 20
     for answer in questions:
