@@ -13,7 +13,7 @@
 
 namespace haptogram {
 
-/// Shots of a program that has cameras, over a pipe, as README.md beside this file describes it. A file that such a
+/// Shots of a program that has cameras, over a pipe, as extras/live/README.md describes it. A file that such a
 /// program has written is a recording.
 class DepthPipe final : public DepthSource {
 public:
