@@ -20,7 +20,7 @@ struct PinStart {
 };
 
 /// Counts the carrier cycles of the present record and says what becomes of each at its end; hands them to the pulse
-/// train (rtl/cycle_controller.v and rtl/beside_pins.v).
+/// train (rtl/cycle_controller.v and rtl/time/beside_pins.v).
 class CarrierCycle {
 public:
     CarrierCycle(const interface::CoreParameters& p, PulseTrain& train);

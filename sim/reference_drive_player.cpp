@@ -198,7 +198,7 @@ void DrivePlayer::go_on_loading(Clock clock, bool common, Counted& counted) {
     if (!foci_.empty() && clock + 1 == loaded_) counted.far = compute_foci(clock);
 }
 
-/// rtl/focus_place.v
+/// rtl/amplitudes/focus_place.v
 void DrivePlayer::place(Clock clock) {
     const auto set = settings.at(clock);
     const std::uint32_t number = (reader_.entry().index - p_.records - 1U) & 0xffffU;

@@ -14,7 +14,7 @@
 
 namespace haptogram::sim {
 
-/// Records of timings, amplitudes and foci, for channels that each have an amplitude (rtl/drive_player.v;
+/// Records of timings, amplitudes and foci, for channels that each have an amplitude (rtl/amplitudes/drive_player.v;
 /// rtl/README.md, contracts 8 to 10). Once a record its words become drives, one emission a channel; once a carrier
 /// period these become pulses, by modulation and slew limit.
 ///
@@ -33,7 +33,7 @@ public:
     std::vector<GeometryWords> geometry;
 
 private:
-    // ---- Once a record (rtl/drive_loader.v)
+    // ---- Once a record (rtl/amplitudes/drive_loader.v)
 
     struct Loaded {
         bool silent = true, amplitudes = false;
@@ -69,7 +69,7 @@ private:
     std::array<std::uint16_t, interface::parameters_words> computed_by_{};
     std::vector<GeometryWords> computed_for_;
 
-    // ---- Once a carrier period (rtl/period_controller.v)
+    // ---- Once a carrier period (rtl/amplitudes/period_controller.v)
 
     struct Sweep {
         Clock begins = 0;    // in which the slew limiter begins it

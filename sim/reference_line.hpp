@@ -55,7 +55,7 @@ private:
     std::uint8_t byte_ = 0;
 };
 
-/// What a tile of a chain lets its own receiver see of the line (rtl/chain_down.v). Nothing is behind it here.
+/// What a tile of a chain lets its own receiver see of the line (rtl/time/chain_down.v). Nothing is behind it here.
 class ChainFilter {
 public:
     void reset() { *this = {}; }

@@ -10,7 +10,7 @@
 namespace haptogram::sim {
 
 /// Holds the samples by which all amplitudes are multiplied, and says which one belongs to a carrier period
-/// (rtl/modulator.v and rtl/modulation.v; rtl/README.md, contract 9).
+/// (rtl/amplitudes/modulator.v and rtl/amplitudes/modulation.v; rtl/README.md, contract 9).
 class Modulation {
 public:
     /// @param depth  samples, 0 for a board without modulation

@@ -42,7 +42,7 @@ public:
     struct Counted {
         bool refused = false, underrun = false, bent = false, far = false;
         bool samples = false;  ///< the modulation takes its first sample
-        bool goes = false;     ///< the go point of boards with amplitudes (rtl/period_controller.v)
+        bool goes = false;     ///< the go point of boards with amplitudes (rtl/amplitudes/period_controller.v)
     };
     /// To be called in each clock that next() says, and in which something is changed from outside.
     [[nodiscard]] virtual Counted at(Clock clock, const Now& now) = 0;
@@ -99,7 +99,7 @@ struct Header {
     /// @return whether its cycle, its pulse and the part that this takes are in the board's bounds
     [[nodiscard]] bool in_bounds(const interface::CoreParameters& p) const;
 };
-/// A board with amplitudes takes up to eight clocks for each cycle (rtl/period_controller.v).
+/// A board with amplitudes takes up to eight clocks for each cycle (rtl/amplitudes/period_controller.v).
 [[nodiscard]] constexpr std::uint32_t least_cycle_clocks(const interface::CoreParameters& p) {
     return p.width_bits != 0 ? 8 : 1;
 }

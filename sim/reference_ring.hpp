@@ -7,7 +7,7 @@
 
 namespace haptogram::sim {
 
-/// The ring in primary memory into which PUSH_FOCI writes focus records (rtl/focus_ring.v).
+/// The ring in primary memory into which PUSH_FOCI writes focus records (rtl/amplitudes/focus_ring.v).
 class FocusRing {
 public:
     using Words = std::array<std::uint16_t, interface::ring_words>;

@@ -10,7 +10,7 @@
 
 namespace haptogram::sim {
 
-/// The parameters block: what a host writes in a clock is there from the next one on (rtl/parameter_registers.v). Its
+/// The parameters block: what a host writes in a clock is there from the next one on (rtl/amplitudes/parameter_registers.v). Its
 /// registers have fewer bits than a word, and no reset.
 class Settings {
 public:

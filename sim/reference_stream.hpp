@@ -11,7 +11,7 @@
 
 namespace haptogram::sim {
 
-/// A pattern for each carrier period (rtl/pattern_stream.v, rtl/pattern_slots.v): which wait, what becomes of one that
+/// A pattern for each carrier period (rtl/time/pattern_stream.v, rtl/time/pattern_slots.v): which wait, what becomes of one that
 /// comes, and what a period plays. Clocks must be asked for in their order.
 class PatternStream {
 public:

@@ -7,7 +7,7 @@
 namespace haptogram::sim {
 namespace {
 
-// rtl/carrier_sync.v says what these are.
+// rtl/time/carrier_sync.v says what these are.
 constexpr Clock lead = 48, delay = 6, due = lead - delay;
 constexpr Clock unheard = 127;  // clocks since an edge
 constexpr Clock most_clock = 2047;
@@ -17,7 +17,7 @@ constexpr Clock synchronizer_clocks = 2;
 constexpr Clock symbol_clocks = 8;
 constexpr std::array<Clock, 3> sampled_after = {12, 20, 28};  // an edge
 
-// And rtl/sync_number.v these.
+// And rtl/time/sync_number.v these.
 constexpr unsigned nothing = 3, mark = 2, message_periods = 64, number_bits = 42, parity_place = 43;
 
 /// What a master sends for the period after this one.

@@ -11,7 +11,7 @@
 
 namespace haptogram::sim {
 
-/// The trigger pins and the test output (rtl/trigger.v). What is asked of it in a clock is as that clock finds it;
+/// The trigger pins and the test output (rtl/time/trigger.v). What is asked of it in a clock is as that clock finds it;
 /// edge(), to be called last in each clock in which anything happens, is what the clock changes.
 class TriggerPins {
 public:

@@ -135,7 +135,7 @@ def open_carries(netlist):
 def synthesise(folder, board):
     """Writes TOP.json for nextpnr and core.v, and returns the seconds that took."""
     family, top = board["fpga"]["family"], board["fpga"]["top"]
-    sources = sorted(ROOT.glob("rtl/*.v"))
+    sources = [path for folder in ("rtl", "rtl/amplitudes", "rtl/time") for path in sorted((ROOT / folder).glob("*.v"))]
     sources += sorted(ROOT.glob("rtl/net/*.v")) if "network" in board else []
     sources += sorted(ROOT.glob("rtl/sdram/*.v")) if board["parameters"]["SDRAM"] else []
     if top != "haptogram_core":

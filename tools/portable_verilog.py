@@ -19,7 +19,7 @@ except ImportError:
     sys.exit("portable_verilog.py: the Python module pyslang is not installed; tools/setup installs it into build/venv")
 
 ROOT = bitstream.ROOT
-RTL = sorted(ROOT.glob("rtl/*.v"))
+RTL = [path for folder in ("rtl", "rtl/amplitudes", "rtl/time") for path in sorted((ROOT / folder).glob("*.v"))]
 NET = sorted(ROOT.glob("rtl/net/*.v"))
 SDRAM = sorted(ROOT.glob("rtl/sdram/*.v"))
 BOARDS = sorted(ROOT.glob("rtl/boards/*.v"))

@@ -24,7 +24,7 @@ PROGRAMS = {
     "test_cosim_coverage": COSIM,
     "test_port_coverage": "~[long]",
 }
-FOLDERS = ("rtl", "rtl/net")
+FOLDERS = ("rtl", "rtl/amplitudes", "rtl/time", "rtl/net")
 
 
 class Wrong(Exception):

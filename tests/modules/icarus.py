@@ -24,7 +24,7 @@ BESIDE = {
     "STREAM": {"SCHEDULE": 1, "RECORDS": 1024, "CHANNELS": 2},
     "TRIGGER": {"SCHEDULE": 1},
 }
-SOURCES = [str(path) for folder in ("rtl", "rtl/sdram") for path in sorted((ROOT / folder).glob("*.v"))]
+SOURCES = [str(path) for folder in ("rtl", "rtl/amplitudes", "rtl/time", "rtl/sdram") for path in sorted((ROOT / folder).glob("*.v"))]
 WIDE = {"WIDTH_BITS": 10, "TIMING_BITS": 11, "PULSE_BITS": 8}
 
 

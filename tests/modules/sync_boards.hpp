@@ -10,7 +10,7 @@
 
 #include "bench.hpp"
 
-/// rtl/carrier_sync.v, sync_number.v and period_count.v of one master and its slaves, with clocks of their own.
+/// rtl/time/carrier_sync.v, sync_number.v and period_count.v of one master and its slaves, with clocks of their own.
 namespace sync_boards {
 
 constexpr int period = PARAMETER_PERIOD_CLOCKS;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/drive_loader.v with a memory that the test drives: when a record's words are complete, what they are, and where a
+// rtl/amplitudes/drive_loader.v with a memory that the test drives: when a record's words are complete, what they are, and where a
 // focus record is looked for.
 #include <Vdrive_loader.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/emission.v against the host's model, word for word, with random settings in each period. What the model itself
+// rtl/amplitudes/emission.v against the host's model, word for word, with random settings in each period. What the model itself
 // computes is held against double precision in tests/unit/test_emission.cpp.
 #include <Vemission.h>
 

@@ -54,7 +54,7 @@ def port_of(t, model):
 
 def sources_of(port):
     """The Verilog of the core, or of such a port, which takes one module from beside it."""
-    core = [*sorted((ROOT / "rtl").glob("*.v")), *sorted((ROOT / "rtl/sdram").glob("*.v"))]
+    core = [path for folder in ("rtl", "rtl/amplitudes", "rtl/time", "rtl/sdram") for path in sorted((ROOT / folder).glob("*.v"))]
     return core if port is None else [*sorted((ROOT / "rtl/net").glob("*.v")), ROOT / "rtl/synchronizer.v"]
 
 
@@ -198,7 +198,7 @@ def choose(places, number, seed):
 
 def stand_in(module, width):
     """The module with its own header, and the mutants' netlist within."""
-    source = next(f for folder in ("rtl", "rtl/net", "rtl/sdram") if (f := ROOT / folder / f"{module}.v").exists())
+    source = next(f for folder in ("rtl", "rtl/amplitudes", "rtl/time", "rtl/net", "rtl/sdram") if (f := ROOT / folder / f"{module}.v").exists())
     header = found(rf"(\bmodule\s+{module}\b.*?\);)", source)
     return f"{header}\n    bit [{width - 1}:0] mutant = {width}'(mutation::haptogram_mutant());\n    {module}_mutants mutants (.*);\nendmodule\n"
 

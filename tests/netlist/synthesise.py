@@ -24,7 +24,7 @@ def main():
         parser.error(str(error))
     sets = " ".join(f"-set {name} {value}" for name, value in parameters.items())
     options.output.parent.mkdir(parents=True, exist_ok=True)
-    script = f"""read_verilog -I{ROOT}/rtl {' '.join(str(p) for p in sorted(ROOT.glob('rtl/*.v')))}
+    script = f"""read_verilog -I{ROOT}/rtl {' '.join(str(p) for p in [*sorted(ROOT.glob('rtl/*.v')), *sorted(ROOT.glob('rtl/amplitudes/*.v')), *sorted(ROOT.glob('rtl/time/*.v'))])}
 chparam {sets} haptogram_core
 {bitstream.commands(options.family, "haptogram_core", dsp=False)}
 chtype -set dp16kd t:DP16KD

@@ -27,7 +27,7 @@ def simulate(parameters):
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "bench"
         options = [f"-Psdram_bench.{name}={value}" for name, value in parameters.items()]
-        sources = sorted(map(str, [*(ROOT / "rtl/sdram").glob("*.v"), *(ROOT / "tests/sdram").glob("*.v"), ROOT / "rtl/focus_place.v"]))
+        sources = sorted(map(str, [*(ROOT / "rtl/sdram").glob("*.v"), *(ROOT / "tests/sdram").glob("*.v"), ROOT / "rtl/amplitudes/focus_place.v"]))
         subprocess.run(["iverilog", "-g2005", f"-I{ROOT}/rtl", "-s", "sdram_bench", "-o", program, *options, *sources], check=True)
         return subprocess.run(["vvp", "-n", program], capture_output=True, text=True, check=True).stdout
 

@@ -8,6 +8,7 @@
 #include "haptogram/link/play.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/project.hpp"
+#include "haptogram/verbs/trigger_reader.hpp"
 #include "haptogram/verbs/trigger_table.hpp"
 
 using namespace haptogram;

@@ -5,7 +5,9 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptogram/base/live_input.hpp"
@@ -13,6 +15,21 @@
 #include "haptogram/verbs/trigger_table.hpp"
 
 namespace haptogram {
+
+/// What lines of text say: the key or the word of a trigger, or a scene of a live session, whose hands enter regions.
+class TriggerLines {
+public:
+    /// @param triggers  outlive this
+    explicit TriggerLines(std::span<const Trigger> triggers) : triggers_(triggers), inside_(triggers.size()) {}
+
+    /// The numbers of those that a line fires. A region is entered by the first joint, or palm, of any hand in it.
+    /// @throws Error{bad_input} naming `where` for a line that says something else
+    [[nodiscard]] std::vector<std::size_t> fired(std::string_view line, const std::string& where);
+
+private:
+    std::span<const Trigger> triggers_;
+    std::vector<bool> inside_;  // whether a hand was there
+};
 
 /// Lines of another program that fire triggers.
 class TriggerReader final : public link::TriggerSource {

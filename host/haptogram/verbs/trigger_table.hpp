@@ -46,19 +46,4 @@ struct Trigger {
 /// @throws Error{bad_input} for one of the pin, on a board without it
 void require_pin(std::span<const Trigger> triggers, const Core& core);
 
-/// What lines of text say: the key or the word of a trigger, or a scene of a live session, whose hands enter regions.
-class TriggerLines {
-public:
-    /// @param triggers  outlive this
-    explicit TriggerLines(std::span<const Trigger> triggers) : triggers_(triggers), inside_(triggers.size()) {}
-
-    /// The numbers of those that a line fires. A region is entered by the first joint, or palm, of any hand in it.
-    /// @throws Error{bad_input} naming `where` for a line that says something else
-    [[nodiscard]] std::vector<std::size_t> fired(std::string_view line, const std::string& where);
-
-private:
-    std::span<const Trigger> triggers_;
-    std::vector<bool> inside_;  // whether a hand was there
-};
-
 }  // namespace haptogram
