@@ -84,7 +84,7 @@ class Stage:
 CPP = """# C++
 
 [The C++ libraries](cpp/annotated.html), from the comments in their headers: [by folder](cpp/files.html), [by namespace](cpp/namespaces.html).
-[Small programs](../host/example/README.md) show how they are used.
+[Small programs](../host/README.md#programs-of-your-own) show how they are used.
 """
 CLIENT = ("Client", "Image", "Record", "Focus", "Identity", "Status", "play", "stream", "end_like_ctrl_c", "HaptogramError", "ErrorCode")
 
@@ -93,7 +93,7 @@ def python_page() -> str:
     """Names that the packages export; what mkdocstrings reads in the sources of the client, and in the native module itself."""
     page = "# Python\n\n## haptogram\n\nThe client of boards: [how to use it](../python/README.md).\n\n"
     page += "".join(f"::: haptogram.{name}\n\n" for name in CLIENT)
-    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../python/native/README.md). `Array`,\n`Compiled` and `Field` also have `plot(axes=None)`, by matplotlib.\n\n::: haptogram_native._native\n"
+    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../python/README.md#compute-with-numpy). `Array`,\n`Compiled` and `Field` also have `plot(axes=None)`, by matplotlib.\n\n::: haptogram_native._native\n"
     return page
 
 

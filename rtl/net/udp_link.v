@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // An Ethernet port in the place of the serial line: what one peer sends by UDP comes out as bytes in the instrument's clock domain, and the
-// bytes of replies go back to it. The modules beside this one do it; README.md shows them, INTERFACE.md says what a host sees.
+// bytes of replies go back to it. The modules beside this one do it; ../README.md shows them, ../INTERFACE.md says what a host sees.
 //
 // eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII, and between frames i_data is what RGMII has there, the PHY's status. In clk's domain o_byte is a
 // valid/take stream of whole, checked datagrams, each with a zero at its end, and i_byte a valid/ready stream of replies that end with a zero each.

@@ -10,12 +10,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/build-one.md": 3, "docs/calibrate.md": 5, "docs/foci.md": 1, "extras/papers/hoshi.md": 2, "docs/rendering.md": 1,
+PAGES = {"README.md": 3, "constraints/README.md": 3, "docs/README.md": 1, "docs/build-one.md": 3, "extras/calibration/README.md": 5, "docs/foci.md": 1, "extras/papers/README.md": 2, "extras/hands/README.md": 1,
          "docs/tiles.md": 2, "extras/hardware/README.md": 1, "host/arrays/README.md": 2, "extras/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
 OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
-    "tests/coverage/README.md": "the same",
-    "tests/mutation/README.md": "the same",
+    "tests/README.md": "the same",
     "extras/scattering/README.md": "takes minutes; test_scatter.py has the commands",
     "python/README.md": "installs, and needs boards and cameras; tests/python has the commands",
     "extras/studies/README.md": "asks people; tests/python has the commands",

@@ -105,7 +105,7 @@ def sound_depth(colour=0, bits=16, interlaced=0, level=0):
 
 
 def sound_messages():
-    """A message of each kind that the studio's page may send, by extras/studio/README.md."""
+    """A message of each kind that the studio's page may send, by extras/studio/engine/messages.hpp."""
     shapes = [{"kind": "circle", "diameter_mm": 30, "center_mm": [0, 0, 120]}, {"file": "a.ply", "unit": "cm", "rotate_deg": [0, 90, 0]}]
     document = {"format": "haptogram-project-1", "points": 9, "rate_hz": 7.5, "am": "sine:200", "place": {"size_mm": 40, "center_mm": [0, 1.5, 130]}, "shape": shapes}
     path = {"format": "haptogram-project-1", "path": "a.json", "array": "hoshi-18x18"}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is let in: every row of the table in extras/studio/README.md, and what stands in queries.
+// Who is let in: every rule of guard.hpp, and what stands in queries.
 #include <catch2/catch.hpp>
 #include <set>
 

@@ -15,7 +15,7 @@
 
 namespace haptogram::studio {
 
-// Each message is answered with what ../README.md says, or with "failed". Nothing is told of work that was cancelled.
+// Each message is answered with what messages.hpp says, or with "failed". Nothing is told of work that was cancelled.
 void answer(Scenes& scenes, Recipient& page, const SceneMessage& message);
 void answer(Scenes& scenes, Recipient& page, const HandMessage& message);
 void answer(Scenes& scenes, Recipient& page, const PathMessage& message, const Progress& progress = {});

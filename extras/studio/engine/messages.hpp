@@ -1,5 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a page and the server say to each other over the WebSocket. README.md has the table.
+// What a page and the server say to each other over the WebSocket. The requests, and how each is answered; "failed" can
+// replace any answer, and link.ts has the members of answers:
+//   scene              scene, and the object, binary HOB1
+//   hand               the object, unless it is drawn already; skin and lines, binary HHA1; hand
+//   path, drives, pulses, studies    an answer of the same name
+//   slice, reach, skin               binary HSL1
+//   analyze, simulate  analysis; pins; cancel ends either
+//   connect, disconnect, intensity   device, to all pages
+//   upload, play, stream             progress, then done, stopped or failed, to all pages
+//   study              study {shown}, repeatedly: begun {n}, the runner's lines, note {text}, ended {code}
+//   answer, leave      go to the runner
+//   live               live {shown}: begun, note and ended, and scenes, at most 33 a second
+//   stop               off {n, confirmed}, once the board has confirmed, or after 2 s without its word
+//   modulate, trigger, beat {hidden} (five times a second)    no answer
 #pragma once
 #include <cstdint>
 #include <nlohmann/json.hpp>

@@ -39,7 +39,7 @@ struct Tables {
     double most_sensitive_from_hz = 0.0, most_sensitive_to_hz = 0.0;
 };
 
-/// Reads a perception file (TOML); the README of this folder describes its keys.
+/// Reads a perception file (TOML); extras/feel/README.md describes its keys.
 /// @throws Error{bad_input} naming file, line and key; also when a polynomial does not rise where it is used, from 0 gf
 /// to the output of the full command, because it could not be inverted then
 [[nodiscard]] Tables load_tables(const std::filesystem::path& path);

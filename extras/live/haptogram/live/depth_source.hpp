@@ -59,7 +59,7 @@ struct DepthCameras {
 /// @throws Error{bad_input} naming file, line and key
 [[nodiscard]] DepthCameras cameras_from_toml(std::string_view text, const std::string& where);
 
-/// A recording of depth cameras: a folder with cameras.toml, as README.md beside this file describes it, and for each
+/// A recording of depth cameras: a folder with cameras.toml, as extras/live/README.md describes it, and for each
 /// camera a folder of pictures whose names are the shots' numbers, such as 0130.png. A shot comes for every number that
 /// any camera has a picture of, so a camera that was lost is one without a picture.
 class DepthFolder final : public DepthSource {
@@ -99,7 +99,7 @@ private:
 /// The text of cameras.toml: camera i's pictures are in the folder "camera" and i, from 1.
 [[nodiscard]] std::string cameras_to_toml(const std::vector<DepthCamera>& cameras, double rate_hz);
 
-/// Shots of a program that has cameras, over a pipe, as README.md beside this file describes it. A file that such a
+/// Shots of a program that has cameras, over a pipe, as extras/live/README.md describes it. A file that such a
 /// program has written is a recording.
 class DepthPipe final : public DepthSource {
 public:

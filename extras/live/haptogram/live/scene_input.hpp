@@ -34,7 +34,8 @@ private:
 };
 
 /// The objects that hands feel, over time: one that the command line names, and what lines of JSON bring, move and take
-/// away (README.md). A file is a script, whose lines are due at their times; of a pipe they count as they come.
+/// away (extras/live/README.md). A file is a script, whose lines are due at their times; of a pipe they count as they
+/// come.
 class SceneInput {
 public:
     /// @param path  of the lines; "-" is standard input; empty: there are none

@@ -37,7 +37,7 @@ private:
 
 namespace haptogram::live {
 
-/// What happened in a frame, lengths in mm, as the table in README.md has it.
+/// What happened in a frame, lengths in mm, as the table in extras/live/README.md has it.
 /// @param path  that plays since then, if any
 [[nodiscard]] nlohmann::ordered_json to_json(const ShotReport& shot, const Frame& frame,
                                              const std::optional<Path>& path);

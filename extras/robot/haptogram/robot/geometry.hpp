@@ -49,7 +49,7 @@ struct Geometry {
     [[nodiscard]] Wrench weight() const;
 };
 
-/// Reads a robot file (TOML); the README of this folder describes its keys.
+/// Reads a robot file (TOML); extras/robot/README.md describes its keys.
 /// @throws Error{bad_input} naming file, line and key
 [[nodiscard]] Geometry load_geometry(const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The link to the engine, which computes: what is asked of it and what it answers. ../../README.md has the table. The program is one
+// The link to the engine, which computes: what is asked of it and what it answers. engine/messages.hpp has the table. The program is one
 // engine (server.ts), the same libraries as WebAssembly in a Worker are the other (in_page.ts).
 import type { ProjectDocument } from "./document";
 
@@ -177,7 +177,7 @@ export interface Studies {
   protocols: Record<string, { title: string; source: string; trials: number; participants: number; playable: boolean } | { error: string }>;
 }
 
-/** What the runner of a study wants to be shown; ../../README.md has the table. */
+/** What the runner of a study wants to be shown; extras/studies/README.md has the table. */
 export type StudyShown =
   | { show: "begun"; n: number }
   | { show: "tell"; text: string }
@@ -363,7 +363,7 @@ export const filesOfScene = {
 };
 export type FileOfScene = keyof typeof filesOfScene;
 
-/** What is asked; ../../README.md has the members of each. */
+/** What is asked; engine/messages.hpp has the members of each. */
 export interface Message {
   t: string;
   [member: string]: unknown;
