@@ -27,11 +27,16 @@ def folder_of_this_run():
     return Path(named) if named else Path(os.environ.get("HAPTOGRAM_BUILD", ROOT / "build/release")) / "messages"
 
 
+def text_of(path):
+    """Bytes that are no text, which some messages quote, as \\xNN."""
+    return re.sub(r"[\x00-\x09\x0b-\x1f\x7f]", lambda found: f"\\x{ord(found[0]):02x}", path.read_bytes().decode("utf-8", "backslashreplace"))
+
+
 def read(path):
     """{name: [(identity, [text, …]), …]}; a text of several lines is one string."""
     found = {}
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if line.startswith("    | "):
+    for line in map(str.rstrip, text_of(path).split("\n")):
+        if line == "    |" or line.startswith("    | "):
             texts[-1] += "\n" + line[6:]
         elif line.startswith("    "):
             texts.append(line[4:])
@@ -161,7 +166,7 @@ def heard(folder):
     ran, messages = set(), {}
     without = {line for path in folder.glob("*.left_out") for line in path.read_text(encoding="utf-8").splitlines()}
     for path in sorted(folder.glob("*.txt")):
-        ran.add(path.read_text(encoding="utf-8").split("\n", 1)[0].removeprefix("# "))
+        ran.add(text_of(path).partition("\n")[0].removeprefix("# "))
         messages |= read(path)
     return ran, without - ran, messages
 
