@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build check deep deep-build demo real-time test browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
+.PHONY: help setup build check deep deep-build demo real-time test messages browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -46,8 +46,15 @@ check: build ## while working, 90 s: the way from a shape to its field, contract
 	@$(CTEST) -j 2 -L '^(unit|check)$$'
 	@$(CTEST) -j 2 -R '^cosim/contract [1-6]'
 
+# What the cases heard is compared last: only there a wording that has changed fails.
 test: build ## every capability and contract, the same on any machine: units, co-simulation, command line, proofs, lint; not the deep ones
-	@$(CTEST) -j 2 -LE '^(check|deep|real-time|studio_browser)$$'
+	@rm -rf $(BUILD)/messages
+	@$(CTEST) -j 2 -LE '^(check|deep|real-time|studio_browser|messages)$$'; ran=$$?; $(CTEST) -L '^messages$$' && exit $$ran
+
+messages: build ## run the tests that hear messages, and write tests/messages.txt, to be read with git diff; ONLY=unit/... only some
+	@rm -rf $(BUILD)/messages
+	@HAPTOGRAM_RECORD_MESSAGES=1 $(CTEST) -j 2 $(if $(ONLY),-R '$(ONLY)',-L '^(unit|cosim|live|reference|studio|tiles|ftdi|suites)$$') \
+	  && $(PYTHON) tests/messages.py --record $(if $(ONLY),,--whole) --heard $(BUILD)/messages && git diff --stat tests/messages.txt
 
 real-time: build ## what needs this machine's own time, alone: its figures beside their targets; fails beyond three times those
 	@$(CTEST) -L '^real-time$$' -V

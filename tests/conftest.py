@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all suites share, so that one pytest may run several of them: a place for remembered rates, and a table of figures against the clock."""
+"""What all suites share, so that one pytest may run several of them: a place for remembered rates, what was said, and a table of figures against the clock."""
 import os
 import shutil
 import tempfile
 
+import messages
 import pytest
 
 BEYOND = 3  # times the target: then a case fails
@@ -23,6 +24,28 @@ def pytest_collection_modifyitems(items):
         if set(item.fixturenames) & set(getattr(item.module, "MADE_ONCE", ())):
             item.add_marker(pytest.mark.xdist_group(item.module.__name__))
     items.sort(key=lambda item: not any(item.iter_markers("xdist_group")))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """Before its fixtures: those of one case may hear messages, too."""
+    messages.begin(name_of(item), item.config._tmp_path_factory.getbasetemp())
+
+
+def name_of(item):
+    return f"{item.path.name}: {item.name}"
+
+
+def pytest_deselected(items):
+    if os.environ.get("PYTEST_XDIST_WORKER", "gw0") == "gw0":
+        messages.left_out(map(name_of, items))
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = (yield).get_result()
+    if report.when == "call" and report.passed:
+        messages.end()
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ CATCH_REGISTER_LISTENER(SeedPrinter)
 
 }  // namespace
 
-std::string test_data() { return HAPTOGRAM_TEST_DATA; }
+std::string test_data() { return HAPTOGRAM_TEST_FOLDER "/data"; }
 
 /// Random numbers are those of --rng-seed, else of HAPTOGRAM_SEED, else other ones in each run.
 int main(int argc, char** argv) {

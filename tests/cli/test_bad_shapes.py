@@ -3,6 +3,7 @@
 import struct
 
 import pytest
+from messages import program_said
 from support import BAD_INPUT, refuse, run, succeed
 
 CORNERS = [(0.0, 0.0, 100.0), (20.0, 0.0, 100.0), (0.0, 20.0, 100.0), (0.0, 0.0, 120.0)]
@@ -60,9 +61,9 @@ GOOD = {
 }
 
 
-def refuse_file(folder, name, content, *needles):
+def refuse_file(folder, name, content):
     (folder / name).write_bytes(content)
-    refuse(folder, ["compile", name, "--points", "4", "-o", "image.hex"], BAD_INPUT, name.replace(".", r"\."), *needles)
+    refuse(folder, ["compile", name, "--points", "4", "-o", "image.hex"], BAD_INPUT)
 
 
 @pytest.mark.parametrize("name", GOOD)
@@ -74,18 +75,15 @@ def test_the_undamaged_file_compiles(name, tmp_path):
 
 @pytest.mark.parametrize("name", GOOD)
 def test_an_empty_file(name, tmp_path):
-    refuse_file(tmp_path, name, b"", "is empty", "expected", "export")
+    refuse_file(tmp_path, name, b"")
 
 
-CUT = {  # where it is cut, and what place the message must name
-    "text.ply": (b"0.0 20.0 10", "vertex 3 of 4.*line 12"),
-    "little.ply": (ply_binary("<")[-20:-18], "face 3 of 4"),
-    "big.ply": (ply_binary(">")[-50:-46], "face 1 of 4"),
-    "shape.obj": (b"f 1 4 3", "line 7"),
-    "text.stl": (b"vertex 0.0 0.0 120.0", "line"),
-    "binary.stl": (stl_binary()[-60:-57], "triangle 3"),
-    "shape.xyz": (b"0.0 20.0 100.0", "line 3"),
-    "shape.csv": (b"0.0,20.0,100.0", "line 4"),
+CUT = {  # text, where it is cut
+    "text.ply": b"0.0 20.0 10",
+    "shape.obj": b"f 1 4 3",
+    "text.stl": b"vertex 0.0 0.0 120.0",
+    "shape.xyz": b"0.0 20.0 100.0",
+    "shape.csv": b"0.0,20.0,100.0",
 }
 
 
@@ -93,12 +91,12 @@ CUT = {  # where it is cut, and what place the message must name
 def test_a_file_that_is_cut_short(name, tmp_path):
     content = GOOD[name]
     if name in ("text.ply", "text.stl"):
-        at = content.index(CUT[name][0]) + 8
+        at = content.index(CUT[name]) + 8
     elif name in ("little.ply", "big.ply", "binary.stl"):
         at = {"little.ply": len(content) - 20, "big.ply": len(content) - 50, "binary.stl": len(content) - 60}[name]
     else:
-        at = content.index(CUT[name][0]) + 4
-    refuse_file(tmp_path, name, content[:at], CUT[name][1])
+        at = content.index(CUT[name]) + 4
+    refuse_file(tmp_path, name, content[:at])
 
 
 @pytest.mark.parametrize("name", ["text.ply", "little.ply", "big.ply", "text.stl", "binary.stl"])
@@ -114,19 +112,19 @@ def test_garbage(name, tmp_path):
 
 
 GARBLED = {
-    "text.ply": (b"20.0 0.0 100.0", b"20.0 0,0 100.0", "line 11", "0,0", "number"),
-    "shape.obj": (b"v 20.0 0.0", b"v 20.0 O.0", "line 2", "O\\.0"),
-    "text.stl": (b"vertex 20.0 0.0 100.0", b"vertex 20.0 0.0 1o0.0", "line", "1o0"),
-    "shape.xyz": (b"20.0 0.0 100.0", b"20.0 zero 100.0", "line 2", "zero"),
-    "shape.csv": (b"20.0,0.0,100.0", b"20.0,,100.0", "line 3", "nothing"),
+    "text.ply": (b"20.0 0.0 100.0", b"20.0 0,0 100.0"),
+    "shape.obj": (b"v 20.0 0.0", b"v 20.0 O.0"),
+    "text.stl": (b"vertex 20.0 0.0 100.0", b"vertex 20.0 0.0 1o0.0"),
+    "shape.xyz": (b"20.0 0.0 100.0", b"20.0 zero 100.0"),
+    "shape.csv": (b"20.0,0.0,100.0", b"20.0,,100.0"),
 }
 
 
 @pytest.mark.parametrize("name", GARBLED)
 def test_one_garbled_number(name, tmp_path):
-    old, new, *needles = GARBLED[name]
+    old, new = GARBLED[name]
     assert old in GOOD[name]
-    refuse_file(tmp_path, name, GOOD[name].replace(old, new, 1), *needles)
+    refuse_file(tmp_path, name, GOOD[name].replace(old, new, 1))
 
 
 @pytest.mark.parametrize("name", GOOD)
@@ -143,14 +141,12 @@ def test_a_coordinate_that_is_not_finite(name, value, tmp_path):
         "shape.xyz": xyz,
         "shape.csv": csv,
     }[name]
-    place = {"text.ply": "vertex 2 of 4", "little.ply": "vertex 2 of 4", "big.ply": "vertex 2 of 4", "shape.obj": "line 2", "text.stl": "line",
-             "binary.stl": "triangle 1", "shape.xyz": "line 2", "shape.csv": "line 3"}[name]
-    refuse_file(tmp_path, name, make(corners), place, value, "finite")
+    refuse_file(tmp_path, name, make(corners))
 
 
 @pytest.mark.parametrize("number", ["1e400", "1e39", "0x10", "1,5", "--1", "1e"])
 def test_a_number_that_no_double_or_no_shape_can_hold(number, tmp_path):
-    refuse_file(tmp_path, "shape.xyz", f"0 0 100\n{number} 0 100\n0 9 100\n".encode(), "line 2")
+    refuse_file(tmp_path, "shape.xyz", f"0 0 100\n{number} 0 100\n0 9 100\n".encode())
 
 
 ZERO_POINTS = {
@@ -166,53 +162,54 @@ ZERO_POINTS = {
 
 @pytest.mark.parametrize("name", ZERO_POINTS)
 def test_zero_points(name, tmp_path):
-    refuse_file(tmp_path, name, ZERO_POINTS[name], "no points", "expected")
+    refuse_file(tmp_path, name, ZERO_POINTS[name])
 
 
 def test_a_face_that_names_no_vertex(tmp_path):
-    refuse_file(tmp_path, "text.ply", ply_text(faces=[(0, 1, 4)]), "face 1 of 1", "line 14", "4")
-    refuse_file(tmp_path, "shape.obj", obj(faces=[(0, 1, 4)]), "line 5", "5")
+    refuse_file(tmp_path, "text.ply", ply_text(faces=[(0, 1, 4)]))
+    refuse_file(tmp_path, "shape.obj", obj(faces=[(0, 1, 4)]))
 
 
 def test_more_data_than_the_header_promises(tmp_path):
-    refuse_file(tmp_path, "little.ply", GOOD["little.ply"] + b"\0", "more data")
-    refuse_file(tmp_path, "binary.stl", GOOD["binary.stl"] + b"\0", "expected")
+    refuse_file(tmp_path, "little.ply", GOOD["little.ply"] + b"\0")
+    refuse_file(tmp_path, "binary.stl", GOOD["binary.stl"] + b"\0")
 
 
 def test_a_second_file_that_is_bad_spoils_the_first(tmp_path):
     (tmp_path / "good.xyz").write_bytes(xyz())
     (tmp_path / "bad.xyz").write_bytes(b"0 0 100\n0 0\n")
-    refuse(tmp_path, ["compile", "good.xyz", "bad.xyz"], BAD_INPUT, r"bad\.xyz, line 2")
+    refuse(tmp_path, ["compile", "good.xyz", "bad.xyz"], BAD_INPUT)
 
 
 def test_a_missing_file(tmp_path):
-    refuse(tmp_path, ["compile", "nowhere.ply"], BAD_INPUT, r"nowhere\.ply", "No such file", "check the path")
+    refuse(tmp_path, ["compile", "nowhere.ply"], BAD_INPUT)
 
 
 def test_a_name_that_is_empty(tmp_path):
-    refuse(tmp_path, ["compile", ""], BAD_INPUT, r"''|\"\"|empty")
+    refuse(tmp_path, ["compile", ""], BAD_INPUT)
 
 
 def test_a_directory_as_input(tmp_path):
     (tmp_path / "folder.ply").mkdir()
-    refuse(tmp_path, ["compile", "folder.ply"], BAD_INPUT, r"folder\.ply", "directory")
+    refuse(tmp_path, ["compile", "folder.ply"], BAD_INPUT)
 
 
 def test_an_unknown_extension(tmp_path):
     (tmp_path / "shape.step").write_bytes(xyz())
-    refuse(tmp_path, ["compile", "shape.step"], BAD_INPUT, r"shape\.step", r"\.ply", r"\.csv")
+    refuse(tmp_path, ["compile", "shape.step"], BAD_INPUT)
 
 
 def test_the_wrong_type_under_a_right_name(tmp_path):
-    refuse_file(tmp_path, "shape.ply", GOOD["binary.stl"], "line 1", "ply")
-    refuse_file(tmp_path, "shape.stl", GOOD["text.ply"], "STL")
-    refuse_file(tmp_path, "shape.obj", GOOD["text.ply"], "line 1")
+    refuse_file(tmp_path, "shape.ply", GOOD["binary.stl"])
+    refuse_file(tmp_path, "shape.stl", GOOD["text.ply"])
+    refuse_file(tmp_path, "shape.obj", GOOD["text.ply"])
 
 
 def test_an_unreadable_file(tmp_path):
     (tmp_path / "loop.ply").symlink_to("loop.ply")  # nobody, not even root, can open it
     result = run(["compile", "loop.ply"], cwd=tmp_path)
-    assert result.returncode == BAD_INPUT and b"loop.ply" in result.stderr
+    assert result.returncode == BAD_INPUT
+    program_said(result.returncode, result.stderr)
     assert [p.name for p in tmp_path.iterdir()] == ["loop.ply"]
 
 
@@ -220,4 +217,4 @@ def test_an_unreadable_file(tmp_path):
 @pytest.mark.parametrize("name", ["shape.stl", "shape.ply", "shape.obj"])
 def test_a_web_page_under_a_shape_s_name(name, page, tmp_path):
     (tmp_path / name).write_text(page)
-    refuse(tmp_path, ["compile", name, "-o", "image.hex"], BAD_INPUT, name, "HTML", "download the file itself")
+    refuse(tmp_path, ["compile", name, "-o", "image.hex"], BAD_INPUT)

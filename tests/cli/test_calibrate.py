@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from messages import program_said
 from scipy.io import wavfile
 from scipy.stats import binom
 from support import BAD_INPUT, ROOT, RUN_FAILED, USAGE, ask, refuse, run, status, succeed, text, virtual_board
@@ -141,9 +142,9 @@ def test_a_meter_of_amplitudes_brings_the_focus_back(tmp_path):
         shares.append(kept(tmp_path, "./tile.toml", bought))
     print(f"amplitudes alone, {ARRAYS} arrays: after median {np.median(shares):.4f}, worst {min(shares):.4f}")
     assert np.median(shares) >= 0.98
-    for line, said in (("7,0.5\n", "record 7 was read before"), ("401,-1\n", "not negative"), ("402,1\n", "no reading of record 401")):
+    for line in ("7,0.5\n", "401,-1\n", "402,1\n"):
         (tmp_path / "meter.csv").write_text("index,reading\n" + "".join(lines) + line)
-        refuse(tmp_path, ["calibrate", "fit", "meter.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, said, outputs=["x.toml"])
+        refuse(tmp_path, ["calibrate", "fit", "meter.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, outputs=["x.toml"])
 
 
 def scan_of(phases, bought, zero, offsets, rng):
@@ -174,10 +175,10 @@ def test_a_scanning_stage_finds_what_recordings_do(code, tmp_path):
         shares.append(kept(tmp_path, "./tile.toml", bought))
     print(f"a stage, {len(shares)} arrays: after median {np.median(shares):.4f}, worst {min(shares):.4f}")
     assert min(shares) >= 0.99
-    for line, said in (("0,0,0,7,1,1\n", "record 7 was read at this place before"), ("0,0,0,0.5,1,1\n", "scan.csv:2306: expected three coordinates"),
-                       ("1,2,3,4,5,6\n", r"1 records were read at \(1, 2, 3\)")):  # fmt: skip
+    for line in ("0,0,0,7,1,1\n", "0,0,0,0.5,1,1\n",
+                       "1,2,3,4,5,6\n"):  # fmt: skip
         (tmp_path / "scan.csv").write_text("x_mm,y_mm,z_mm,index,re,im\n" + "".join(lines) + line)
-        refuse(tmp_path, ["calibrate", "fit", "scan.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, said, outputs=["x.toml"])
+        refuse(tmp_path, ["calibrate", "fit", "scan.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, outputs=["x.toml"])
 
 
 def test_a_stage_with_a_meter_of_amplitudes(tmp_path):
@@ -270,8 +271,7 @@ def test_a_board_that_computes_foci_weighs_its_channels(tmp_path):
         sounds = played * gain * np.exp(1j * lead) * waves
         assert abs(sounds.sum()) / abs(sounds).sum() > 0.9998, drive
     (tmp_path / "narrow.toml").write_text((tmp_path / "bought.toml").read_text())
-    refuse(tmp_path, ["compile", "--shape", "point", "--center=5,-10,150", "--array", "./narrow.toml", "-o", "narrow.hex"], BAD_INPUT,
-           "all pulses of a record of timings have one length", outputs=["narrow.hex"])  # fmt: skip
+    refuse(tmp_path, ["compile", "--shape", "point", "--center=5,-10,150", "--array", "./narrow.toml", "-o", "narrow.hex"], BAD_INPUT, outputs=["narrow.hex"])  # fmt: skip
 
 
 def sound_array():
@@ -467,25 +467,25 @@ def test_what_no_fit_can_mend_is_refused(code, tmp_path):
     options = takes(tmp_path, code, bought, PLACES[:1], SEED)
     fit = ["calibrate", "fit", *options, "-o", "tile.toml"]
     (tmp_path / "wide.toml").write_text("[array]\nrows = 10\ncolumns = 10\npitch_mm = 12.5\n")
-    refuse(tmp_path, [*fit, "--array", "./wide.toml"], BAD_INPUT, "fit no place within 5 mm", "array file is this array's", outputs=["tile.toml"])
-    refuse(tmp_path, [*fit, "--array", "tile-7x8"], BAD_INPUT, "code for 56 elements is not in it", outputs=["tile.toml"])
-    refuse(tmp_path, [*fit[:-3], "--at=60,50,150", "-o", "tile.toml"], BAD_INPUT, "fit no place|code", outputs=["tile.toml"])
-    refuse(tmp_path, [*fit, "--at", "0,0,150"], USAGE, "2 places for 1 recordings", outputs=["tile.toml"])
+    refuse(tmp_path, [*fit, "--array", "./wide.toml"], BAD_INPUT, outputs=["tile.toml"])
+    refuse(tmp_path, [*fit, "--array", "tile-7x8"], BAD_INPUT, outputs=["tile.toml"])
+    refuse(tmp_path, [*fit[:-3], "--at=60,50,150", "-o", "tile.toml"], BAD_INPUT, outputs=["tile.toml"])
+    refuse(tmp_path, [*fit, "--at", "0,0,150"], USAGE, outputs=["tile.toml"])
     rate, sound = wavfile.read(tmp_path / "0.wav")
-    for name, changed, at_rate, said in (
-        ("clipped.wav", np.clip(sound, -(2**30), 2**30), rate, "it was clipped; lower the recording level"),
-        ("little.wav", np.minimum(sound, np.sort(sound)[-40]), rate, "it was clipped; lower the recording level"),
-        ("slow-clipped.wav", np.clip(sound[::2], -(2**30), 2**30), rate // 2, "it was clipped; lower the recording level"),
-        ("coarse-clipped.wav", np.clip(sound >> 24 << 24, -(2**30), 2**30), rate, "it was clipped; lower the recording level"),
-        ("slow.wav", sound, 48000, "48000 samples a second cannot hold 40000 Hz; record at 96000 Hz"),
-        ("short.wav", sound[: rate // 2], rate, "it is 0.50 s long, and one pass of the code 1.02 s"),
-        ("noise.wav", np.random.default_rng(SEED).integers(-(2**30), 2**30, len(sound), dtype=np.int32), rate, "something else, or noise"),
-        ("two.wav", np.stack([sound, sound], axis=1), rate, "2 channels, expected one; keep one of them"),
+    for name, changed, at_rate in (
+        ("clipped.wav", np.clip(sound, -(2**30), 2**30), rate),
+        ("little.wav", np.minimum(sound, np.sort(sound)[-40]), rate),
+        ("slow-clipped.wav", np.clip(sound[::2], -(2**30), 2**30), rate // 2),
+        ("coarse-clipped.wav", np.clip(sound >> 24 << 24, -(2**30), 2**30), rate),
+        ("slow.wav", sound, 48000),
+        ("short.wav", sound[: rate // 2], rate),
+        ("noise.wav", np.random.default_rng(SEED).integers(-(2**30), 2**30, len(sound), dtype=np.int32), rate),
+        ("two.wav", np.stack([sound, sound], axis=1), rate),
     ):
         wavfile.write(tmp_path / name, at_rate, changed)
-        refuse(tmp_path, ["calibrate", "fit", name, "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, said, outputs=["tile.toml"])
+        refuse(tmp_path, ["calibrate", "fit", name, "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, outputs=["tile.toml"])
     (tmp_path / "page.wav").write_text("no sound")
-    refuse(tmp_path, ["calibrate", "fit", "page.wav", "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, "not a WAV file", outputs=["tile.toml"])
+    refuse(tmp_path, ["calibrate", "fit", "page.wav", "--at=0,0,150", "-o", "tile.toml"], BAD_INPUT, outputs=["tile.toml"])
 
 
 def test_coarse_steps_of_a_converter_are_not_clipping(code, tmp_path):
@@ -511,7 +511,7 @@ def test_an_oscilloscope_and_a_sound_card_tell_the_same(code, tmp_path):
     assert by_scope["recordings"][0]["place_mm"] == pytest.approx(by_card["recordings"][0]["place_mm"], abs=0.01)
     refused = "".join((*lines[:9], "0.5,oops\n"))
     (tmp_path / "bad.csv").write_text(refused)
-    refuse(tmp_path, ["calibrate", "fit", "bad.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, r"bad.csv:12: expected a time and a voltage", outputs=["x.toml"])
+    refuse(tmp_path, ["calibrate", "fit", "bad.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, outputs=["x.toml"])
 
 
 def test_an_array_that_is_as_its_kind_makes_the_same_image(tmp_path):
@@ -543,15 +543,15 @@ def test_a_measured_force_makes_the_level_calibrated(code, tmp_path):
     assert heard["points"][0]["force_mn"] == pytest.approx(force / 4, rel=1e-3)
     keys = text(succeed(["analyze", "--array", "tile-10x10", "--focus=0,0,100", f"--measured-mv={millivolts:.9g}", "--sensitivity=0.7"], cwd=tmp_path).stdout)
     assert tomllib.loads(keys)["transducer"]["source_pa_m"] == pytest.approx(2, rel=0.1)  # of elements that are as their kind
-    for wrong, said in ((["--measured-mv=3"], "--sensitivity"), (["--sensitivity=3"], "--measured-mv"), (["--measured-mv=3", "--sensitivity=0"], "--sensitivity"),
-                        (["--measured-mv=3", "--sensitivity=1", "--measured-mn=3"], "excludes"), ([], "focus")):  # fmt: skip
-        refuse(tmp_path, ["calibrate", "fit", *options, *wrong, "--focus=0,0,100", "-o", "x.toml"], USAGE, said, outputs=["x.toml"])
+    for wrong in (["--measured-mv=3"], ["--sensitivity=3"], ["--measured-mv=3", "--sensitivity=0"],
+                        ["--measured-mv=3", "--sensitivity=1", "--measured-mn=3"], []):  # fmt: skip
+        refuse(tmp_path, ["calibrate", "fit", *options, *wrong, "--focus=0,0,100", "-o", "x.toml"], USAGE, outputs=["x.toml"])
 
 
 @pytest.mark.deep
 def test_a_board_of_few_records_plays_the_code_in_parts(tmp_path):
     board = ["--array", "tile-10x10", "--board", "ice40-hx8k-breakout"]
-    refuse(tmp_path, ["calibrate", "code", *board, "-o", "code.hex"], BAD_INPUT, "128 records, and the board holds 64", "--part 1/3 to 3/3", outputs=["code.hex"])
+    refuse(tmp_path, ["calibrate", "code", *board, "-o", "code.hex"], BAD_INPUT, outputs=["code.hex"])
     codes = [tmp_path / f"{part}.hex" for part in (1, 2, 3)]
     for part, path in enumerate(codes, 1):
         succeed(["calibrate", "code", *board, "--part", f"{part}/3", "-o", path])
@@ -568,24 +568,24 @@ def test_a_board_of_few_records_plays_the_code_in_parts(tmp_path):
         assert elements(found, cause) == getattr(bought, cause), cause
     assert kept(tmp_path, "./tile.toml", bought) >= 0.99
     write_wav(tmp_path / "moved.wav", model.record(model.read_code(codes[1]), bought, np.array(PLACES[0]) * 1e-3 + there[0] + (0.008, 0, 0), rng))
-    for named, said in (("0-2.wav,0-1.wav,0-3.wav", "code for .* elements is not in it"), ("0-1.wav", "of which all parts belong together"),
-                        ("0-1.wav,0-2.wav", "code for .* elements is not in it"), ("0-1.wav,moved.wav,0-3.wav", "sound otherwise in part 2")):  # fmt: skip
-        refuse(tmp_path, ["calibrate", "fit", named, "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, said, outputs=["x.toml"])
+    for named in ("0-2.wav,0-1.wav,0-3.wav", "0-1.wav",
+                        "0-1.wav,0-2.wav", "0-1.wav,moved.wav,0-3.wav"):  # fmt: skip
+        refuse(tmp_path, ["calibrate", "fit", named, "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, outputs=["x.toml"])
     for part in ("4/3", "0/3", "1", "1/2/3", "one/3", "1/92"):
-        refuse(tmp_path, ["calibrate", "code", *board, "--part", part, "-o", "x.hex"], USAGE, "part", outputs=["x.hex"])
-    refuse(tmp_path, ["calibrate", "code", *board, "--part", "1/2", "-o", "x.hex"], BAD_INPUT, "128 records a part", "1/3 to 3/3", outputs=["x.hex"])
+        refuse(tmp_path, ["calibrate", "code", *board, "--part", part, "-o", "x.hex"], USAGE, outputs=["x.hex"])
+    refuse(tmp_path, ["calibrate", "code", *board, "--part", "1/2", "-o", "x.hex"], BAD_INPUT, outputs=["x.hex"])
 
 
 def test_a_board_of_fewer_records_than_any_part_has_the_meter_left(tmp_path):
     (tmp_path / "few.toml").write_text('[array]\nrows = 10\ncolumns = 10\npitch_mm = 10\n[board]\nconfiguration = "tile-100"\nrecords = 16\n')
     few = ["--array", "./few.toml"]
-    refuse(tmp_path, ["calibrate", "code", *few, "-o", "x.hex"], BAD_INPUT, "the board holds 16", "fewer than 32", "--steps", outputs=["x.hex"])
+    refuse(tmp_path, ["calibrate", "code", *few, "-o", "x.hex"], BAD_INPUT, outputs=["x.hex"])
     steps = ["calibrate", "code", *few, "--steps=0,0,150"]
-    refuse(tmp_path, [*steps, "-o", "x.hex"], BAD_INPUT, "--part 1/25 to 25/25", outputs=["x.hex"])
+    refuse(tmp_path, [*steps, "-o", "x.hex"], BAD_INPUT, outputs=["x.hex"])
     succeed([*steps, "--part", "25/25", "-o", "steps.hex"], cwd=tmp_path)
     assert len(Image.load(str(tmp_path / "steps.hex")).records) == 16
     (tmp_path / "fewest.toml").write_text((tmp_path / "few.toml").read_text().replace("16", "3"))
-    refuse(tmp_path, ["calibrate", "code", "--array", "./fewest.toml", "--steps=0,0,150", "-o", "x.hex"], BAD_INPUT, "board that holds more", outputs=["x.hex"])
+    refuse(tmp_path, ["calibrate", "code", "--array", "./fewest.toml", "--steps=0,0,150", "-o", "x.hex"], BAD_INPUT, outputs=["x.hex"])
 
 
 RECORDER = """#!{python}
@@ -620,12 +620,14 @@ def test_one_command_plays_and_records(tmp_path, monkeypatch):
         assert status(tmp_path)["outputs"] == "off"
         (tmp_path / "broken").touch()
         refused = run(["calibrate", "record", *board, "-o", "none.wav", "--port", "port"], cwd=tmp_path)
-        assert refused.returncode == RUN_FAILED and "no such card" in text(refused.stderr) and not list(tmp_path.glob("none*"))
+        assert refused.returncode == RUN_FAILED and not list(tmp_path.glob("none*"))
+        program_said(refused.returncode, refused.stderr)
         assert status(tmp_path)["outputs"] == "off"
         (tmp_path / "bin/arecord").unlink()
         monkeypatch.setenv("PATH", str(tmp_path / "bin"))
         refused = run(["calibrate", "record", *board, "-o", "none.wav", "--port", "port"], cwd=tmp_path)
-        assert refused.returncode == RUN_FAILED and "arecord" in text(refused.stderr) and not list(tmp_path.glob("none*"))
+        assert refused.returncode == RUN_FAILED and not list(tmp_path.glob("none*"))
+        program_said(refused.returncode, refused.stderr)
     held, code = Image.load(str(tmp_path / "held.hex")), Image.load(str(tmp_path / "3.hex"))
     assert held.entries == code.entries and [r.timings for r in held.records[: len(code.records)]] == [r.timings for r in code.records]
     found = calibrate(tmp_path, ["take-1.wav,take-2.wav,take-3.wav", "--at=0,0,150"])
@@ -636,7 +638,7 @@ def test_readings_in_parts(tmp_path):
     """A lock-in's, and a voltmeter's of a board that holds 360 of the 400 records."""
     rng, bought, at = np.random.default_rng(SEED), model.Bought.random(SEED), ["--at=0,0,150"]
     net = ["--array", "tile-10x10", "--board", "colorlight-5a-75e-v7.1-net"]
-    refuse(tmp_path, ["calibrate", "code", *net, "--steps=0,0,150", "-o", "x.hex"], BAD_INPUT, "400 records", "--part 1/2 to 2/2", outputs=["x.hex"])
+    refuse(tmp_path, ["calibrate", "code", *net, "--steps=0,0,150", "-o", "x.hex"], BAD_INPUT, outputs=["x.hex"])
     waves = model.transfer((np.array((0, 0, 150)) + rng.uniform(-2, 2, 3)) * 1e-3, bought.speed)[0] * bought.response
     for part in (1, 2):
         succeed(["calibrate", "code", *net, "--steps=0,0,150", "--part", f"{part}/2", "-o", "steps.hex"], cwd=tmp_path)
@@ -649,5 +651,5 @@ def test_readings_in_parts(tmp_path):
         found = calibrate(tmp_path, [named, *at])
         assert elements(found, "dead") == bought.dead and elements(found, "reversed") == bought.reversed, named
         assert kept(tmp_path, "./tile.toml", bought) >= least, named
-    refuse(tmp_path, ["calibrate", "fit", "meter1.csv,scan2.csv", *at, "-o", "x.toml"], BAD_INPUT, "other places or by another meter", outputs=["x.toml"])
-    refuse(tmp_path, ["calibrate", "fit", "meter1.csv", *at, "-o", "x.toml"], BAD_INPUT, "200 readings, expected 400", outputs=["x.toml"])
+    refuse(tmp_path, ["calibrate", "fit", "meter1.csv,scan2.csv", *at, "-o", "x.toml"], BAD_INPUT, outputs=["x.toml"])
+    refuse(tmp_path, ["calibrate", "fit", "meter1.csv", *at, "-o", "x.toml"], BAD_INPUT, outputs=["x.toml"])

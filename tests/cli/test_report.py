@@ -94,15 +94,15 @@ def test_several_foci_at_the_same_time(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "args, code, needles",
+    "args, code",
     [
-        (["report"], USAGE, ["image"]),
-        (["report", "none.hex"], BAD_INPUT, ["none.hex", "No such file"]),
-        (["report", NAME, "--methods", "-o", "x.html"], USAGE, ["--methods", "--output"]),
-        (["report", NAME, "--no-picture", "-o", NAME], USAGE, ["--output", "the file"]),
-        (["report", NAME, "--no-picture", "-o", NAME.replace(".hex", ".json")], USAGE, ["--output", "manifest"]),
-        (["report", NAME, "--no-picture", "-o", "no/such/folder.html"], BAD_INPUT, ["no/such/folder.html"]),
+        (["report"], USAGE),
+        (["report", "none.hex"], BAD_INPUT),
+        (["report", NAME, "--methods", "-o", "x.html"], USAGE),
+        (["report", NAME, "--no-picture", "-o", NAME], USAGE),
+        (["report", NAME, "--no-picture", "-o", NAME.replace(".hex", ".json")], USAGE),
+        (["report", NAME, "--no-picture", "-o", "no/such/folder.html"], BAD_INPUT),
     ],
 )
-def test_what_is_refused(ring, args, code, needles):
-    refuse(ring, args, code, *needles, outputs=("report.html",))
+def test_what_is_refused(ring, args, code):
+    refuse(ring, args, code, outputs=("report.html",))

@@ -275,28 +275,28 @@ def test_what_a_schema_takes_the_program_takes(tmp_path, name, document, change)
 
 
 @pytest.mark.parametrize(
-    "change, complaint",
+    "change",
     [
-        (put("haptogram-manifest-2", "format"), "format"),
-        (without("medium", "speed_m_s"), "speed_m_s"),
-        (put(-1, "transducer", "source_pa_m"), "source_pa_m"),
-        (put(0, "board", "channels"), "channels"),
-        (put(1, "timer", "cycle_ticks"), "cycle_ticks"),
-        (put([1.0], "array", "elements_mm", 0), "array|coordinates"),
-        (put(1.5, "records", 0, "amplitude"), "amplitude"),
-        (put([0, 0], "records", 0, "focus_mm"), "coordinates"),
-        (put("sines", "transducer", "directivity"), "directivity"),
-        (put("by hand", "solver"), "solver"),
-        (put({"periods_a_sample": 1, "samples": [256]}, "modulation"), "samples"),
+        put("haptogram-manifest-2", "format"),
+        without("medium", "speed_m_s"),
+        put(-1, "transducer", "source_pa_m"),
+        put(0, "board", "channels"),
+        put(1, "timer", "cycle_ticks"),
+        put([1.0], "array", "elements_mm", 0),
+        put(1.5, "records", 0, "amplitude"),
+        put([0, 0], "records", 0, "focus_mm"),
+        put("sines", "transducer", "directivity"),
+        put("by hand", "solver"),
+        put({"periods_a_sample": 1, "samples": [256]}, "modulation"),
     ],
 )
-def test_what_the_schema_of_manifests_refuses_the_program_refuses(small, change, complaint):
+def test_what_the_schema_of_manifests_refuses_the_program_refuses(small, change):
     manifest = read_json(small.manifest)
     assert wrong("manifest", manifest) == []
     broken = changed(manifest, change)
     assert wrong("manifest", broken)
     small.manifest.write_text(json.dumps(broken))
-    assert_one_message(run(["analyze", "image.hex"], cwd=small.folder), BAD_INPUT, complaint)
+    assert_one_message(run(["analyze", "image.hex"], cwd=small.folder), BAD_INPUT)
 
 
 @pytest.mark.parametrize(

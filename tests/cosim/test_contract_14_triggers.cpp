@@ -4,6 +4,7 @@
 // itself.
 #include <algorithm>
 
+#include "../refusal.hpp"
 #include "bench.hpp"
 #include "haptogram/link/trigger.hpp"
 
@@ -322,13 +323,12 @@ TEST_CASE("contract 14: the test output shows a pin, the cycles, or the changes 
 
 TEST_CASE("contract 14: what makes no sense is refused by name, and what can only be read cannot be written") {
     TriggerBench bench;
-    REQUIRE_THROWS_WITH(bench.set({.channel = 16}), Catch::Contains("16, expected 0 to 15"));
-    REQUIRE_THROWS_WITH(bench.set({.pulse_s = 1.0}), Catch::Contains("expected 0 to 335.5"));
-    REQUIRE_THROWS_WITH(bench.set({.settle_s = 1.0}), Catch::Contains("expected 0 to 1.3"));
-    REQUIRE_THROWS_WITH(bench.client.push({1}, 1, When::at_trigger()), Catch::Contains("bad_range"));
-    REQUIRE_THROWS_WITH(bench.client.write(interface::trigger_base + 2 * interface::trigger_settings,
-                                           words(std::vector<std::uint16_t>{1})),
-                        Catch::Contains("bad_address"));
+    REQUIRE_REFUSED(bench.set({.channel = 16}));
+    REQUIRE_REFUSED(bench.set({.pulse_s = 1.0}));
+    REQUIRE_REFUSED(bench.set({.settle_s = 1.0}));
+    REQUIRE_REFUSED(bench.client.push({1}, 1, When::at_trigger()));
+    REQUIRE_REFUSED(bench.client.write(interface::trigger_base + 2 * interface::trigger_settings,
+                                       words(std::vector<std::uint16_t>{1})));
     const TriggerSettings all{.event = Event::samples,
                               .every_periods = 7,
                               .pulse_s = 70'000 * clock_s,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "../refusal.hpp"
 #include "bench.hpp"
 
 using namespace haptogram;
@@ -113,7 +114,7 @@ TEST_CASE("contract 6: length 0 takes length and loops from the sequence header"
         bench.client.select(1);
         bench.wait_for_index(1);
         bench.client.write(interface::sequence_base, words({header, 0}));
-        REQUIRE_THROWS_WITH(bench.client.start(0, 0, 0), Catch::Contains("bad_range"));
+        REQUIRE_REFUSED(bench.client.start(0, 0, 0));
         bench.board.run(5000);
         REQUIRE(bench.board.outputs().index == 1);
     }
@@ -186,10 +187,10 @@ TEST_CASE("contract 6: a push that does not fit, or has a bad index, pushes noth
     bench.open();
     bench.client.push({1, 2, 3}, 2000);
     const auto level = bench.client.status().live_level;
-    REQUIRE_THROWS_WITH(bench.client.push({4, 5, 41}, 1), Catch::Contains("bad_index"));
+    REQUIRE_REFUSED(bench.client.push({4, 5, 41}, 1));
     REQUIRE(bench.client.status().live_level == level);
     std::vector<std::uint16_t> many(static_cast<std::size_t>(16 - level + 1), 6);
-    REQUIRE_THROWS_WITH(bench.client.push(many, 1), Catch::Contains("fifo_full"));
+    REQUIRE_REFUSED(bench.client.push(many, 1));
     REQUIRE(bench.client.status().live_level == level);
     many.pop_back();
     bench.client.push(many, 1);

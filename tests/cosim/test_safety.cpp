@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "../refusal.hpp"
 #include "bench.hpp"
 
 using namespace haptogram;
@@ -406,7 +407,7 @@ TEST_CASE("safety: the stop input is the last word on outputs, and ENABLE says s
     REQUIRE_FALSE(bench.board.outputs().enabled);
     REQUIRE_FALSE(bench.board.any_pin());
     REQUIRE(bench.client.status().stopped);
-    REQUIRE_THROWS_WITH(bench.client.enable(), Catch::Contains("stop input"));
+    REQUIRE_REFUSED(bench.client.enable());
     REQUIRE_FALSE(bench.board.outputs().enabled);
     bench.board.press_stop(false);
     bench.board.run(100'000);
@@ -595,7 +596,7 @@ TEST_CASE("safety: START by a header whose length is out of range is refused", "
     bench.client.start(1, 0, 0);
     for (const std::uint16_t bad : {std::uint16_t{0}, std::uint16_t{64}, std::uint16_t{0x7fff}}) {
         bench.client.write(interface::sequence_base, words({bad, 0}));
-        REQUIRE_THROWS_WITH(bench.client.start(1, 0, 0), Catch::Contains("length"));
+        REQUIRE_REFUSED(bench.client.start(1, 0, 0));
     }
     bench.client.write(interface::sequence_base, words({2, 0}));
     bench.client.stop();
@@ -653,7 +654,7 @@ TEST_CASE("safety: the board says its bounds and keeps to them", "[safety][tile1
             if (c.plays)
                 REQUIRE_NOTHROW(link::require_fits(image, identity, "image"));
             else
-                REQUIRE_THROWS_WITH(link::require_fits(image, identity, "image"), Catch::Contains("record 1: a pulse"));
+                REQUIRE_REFUSED(link::require_fits(image, identity, "image"));
         }
     }
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "../refusal.hpp"
 #include "../virtual_clock.hpp"
 #include "../virtual_line.hpp"
 #include "bench.hpp"
@@ -116,7 +117,7 @@ TEST_CASE("live: a session of which less than a quarter was played is a failure"
     // A busy machine: the feeler made three hundred, and of those that were sent all began.
     report.with_rings = 300;
     CHECK_NOTHROW(live::require_played(report));
-    CHECK_THAT(live::overtaken_in_words(report), Catch::Contains("only 6 of 300 frames"));
+    CHECK_SAID(live::overtaken_in_words(report));
     report.skipped = 276;  // for which the line had no time, as was said
     CHECK(live::overtaken_in_words(report).empty());
     report.unsent = 13;
@@ -382,7 +383,7 @@ TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no 
 
     options = on_a_cube();
     options.magnitude = 1.5;
-    CHECK_THROWS_WITH(run(options, 1), Catch::Contains("--algorithm still"));
+    CHECK_REFUSED(run(options, 1));
     options.ring.motion = FocusMotion::still;
     const auto [felt, quiet] = run(options, 1);
     CHECK(felt.with_rings >= 11);
@@ -392,7 +393,7 @@ TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no 
     CHECK(shared.without_magnitude >= 11);
     CHECK(named.find("share the array's pressure") != std::string::npos);
     options.magnitude = 1000.0;
-    CHECK_THROWS_WITH(run(options, 1), Catch::Contains("magnitude"));
+    CHECK_REFUSED(run(options, 1));
 }
 
 TEST_CASE("live: a finger that goes through the object gets no ring, and has one again when it is back") {
@@ -452,8 +453,7 @@ TEST_CASE("live: weights that records cannot have are refused before anything pl
     Array array = find_array("tile-10x10");
     array.elements.resize(16);
     array.elements[3].weight = 0.5;
-    CHECK_THROWS_WITH(live::RingPlayer(bench.client, bench.clock, array, 8, Method::distance_weighted),
-                      Catch::Contains("weights") && Catch::Contains("full"));
+    CHECK_REFUSED(live::RingPlayer(bench.client, bench.clock, array, 8, Method::distance_weighted));
 }
 
 TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has steps of two") {

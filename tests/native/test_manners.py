@@ -12,6 +12,7 @@ import time
 import haptogram_native as native
 import numpy as np
 import pytest
+from messages import refusal
 
 
 @pytest.fixture(scope="module")
@@ -85,28 +86,28 @@ def test_the_same_bytes_for_any_number_of_threads(array):
 
 def test_errors_are_one_family(array, tmp_path):
     drives = native.ideal_drives(array, (0, 0, 0.13))
-    with pytest.raises(native.BadInput, match="3 drives for 100 elements") as caught:
+    with refusal(native.BadInput) as caught:
         native.pressure(array, drives[:3], [[0, 0, 0.1]])
     assert caught.value.code == 3 and caught.value.where == "field" and caught.value.message in str(caught.value)
     again = pickle.loads(pickle.dumps(caught.value))
     assert type(again) is native.BadInput and str(again) == str(caught.value)
-    with pytest.raises(native.BadInput, match="coincides with an element"):
+    with refusal(native.BadInput):
         native.pressure(array, drives, array.positions_m[:1])
-    with pytest.raises(native.BadArgument, match="expected an array of points × 3, found 4"):
+    with refusal(native.BadArgument):
         native.pressure(array, drives, [0.0, 0.0, 0.1, 0.2])
-    with pytest.raises(native.BadArgument, match="one dimension, found 2 × 50"):
+    with refusal(native.BadArgument):
         native.pressure(array, drives.reshape(2, 50), [[0, 0, 0.1]])
     with pytest.raises(ValueError, match="must be one of radiation"):
         native.field(native.Excitation.of_focus(array, (0, 0, 0.13)), quantity="warmth")
-    with pytest.raises(native.BadArgument, match="more than one of plane, line and volume"):
+    with refusal(native.BadArgument):
         native.field(native.Excitation.of_focus(array, (0, 0, 0.13)), plane="xy@z=100", volume=True)
-    with pytest.raises(native.HaptogramError, match="nowhere.toml"):
+    with refusal(native.HaptogramError):
         native.compile_project(str(tmp_path / "nowhere.toml"))
-    with pytest.raises(native.BadInput, match="project"):
+    with refusal(native.BadInput):
         native.compile_text('format = "haptogram-project-1"\ncolour = 3\n')
-    with pytest.raises(native.BadArgument, match="divide it by that"):
+    with refusal(native.BadArgument):
         array.with_elements([[0, 0, 0]], [[0, 0, 2.0]])
-    with pytest.raises(native.BadArgument, match="2 for 1 elements"):
+    with refusal(native.BadArgument):
         array.with_elements([[0, 0, 0]], [[0, 0, 1.0], [0, 0, 1.0]])
     assert issubclass(native.Failed, native.HaptogramError) and issubclass(native.DeviceError, native.HaptogramError)
 

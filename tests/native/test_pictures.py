@@ -9,6 +9,7 @@ import pytest
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from messages import refusal
 
 RING = 'format = "haptogram-project-1"\npoints = 12\nrate_hz = 20\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n'
 
@@ -75,7 +76,7 @@ def test_every_quantity_has_a_label_with_its_unit(ring, quantity):
 
 def test_a_volume_is_refused(ring):
     field = native.field(native.Excitation.of_compiled(ring), volume=True, extent_m=0.01, step_m=0.01, z_m=(0.14, 0.16))
-    with pytest.raises(native.BadArgument, match="over 3 dimensions, expected a line or a plane"):
+    with refusal(native.BadArgument):
         field.plot()
 
 
@@ -96,5 +97,5 @@ def test_without_matplotlib_an_error_says_what_to_install(ring, monkeypatch):
         return real(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(native.Failed, match=r"matplotlib is missing; pip install matplotlib"):
+    with refusal(native.Failed):
         ring.plot()

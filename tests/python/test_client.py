@@ -5,6 +5,7 @@ import zlib
 
 import processes
 import pytest
+from messages import program_said, refusal
 from patience import until
 from haptogram import Client, ErrorCode, HaptogramError, Image
 from haptogram.interface import PRIMARY_BASE, SEQUENCE_BASE
@@ -33,21 +34,21 @@ def test_memory_is_written_read_and_digested(board):
 
 
 def test_what_is_refused(board):
-    for refused, why in (
-        (lambda: board.select(401), "select: the board refused it: bad_index"),
-        (lambda: board.push([1, 401], 1), "push: the board refused it: bad_index"),
-        (lambda: board.start(1000, 100, 1), "start: the board refused it: bad_range"),
-        (lambda: board.read(0x20000000 - 2, 2), "read: the board refused it: bad_address"),
-        (lambda: board.digest(PRIMARY_BASE + 400 * RECORD_BYTES, 2), "digest: the board refused it: bad_address"),
-        (lambda: board.write(1, b"ab"), "write: the board refused it: bad_alignment"),
+    for refused in (
+        lambda: board.select(401),
+        lambda: board.push([1, 401], 1),
+        lambda: board.start(1000, 100, 1),
+        lambda: board.read(0x20000000 - 2, 2),
+        lambda: board.digest(PRIMARY_BASE + 400 * RECORD_BYTES, 2),
+        lambda: board.write(1, b"ab"),
     ):
-        with pytest.raises(HaptogramError, match=why) as error:
+        with refusal(HaptogramError) as error:
             refused()
         assert error.value.code == ErrorCode.DEVICE
-    with pytest.raises(HaptogramError, match="210 bytes, expected at most 208"):
+    with refusal(HaptogramError):
         board.write(PRIMARY_BASE, bytes(RECORD_BYTES + 2))
     for impossible in (lambda: board.select(-1), lambda: board.set_watchdog(65536), lambda: board.push([70000], 1)):
-        with pytest.raises(HaptogramError, match="does not fit into 16 bits"):
+        with refusal(HaptogramError):
             impossible()
     assert board.status().mode == "idle"
 
@@ -66,7 +67,7 @@ def test_select_push_start_stop(board, image):
         assert (board.status().mode, board.status().present_index) == ("live", 1)
         for _ in range(4):
             board.push([2] * 50, 60000)
-        with pytest.raises(HaptogramError, match="push: the board refused it: fifo_full"):
+        with refusal(HaptogramError):
             board.push([3] * 100, 1)
         assert board.status().live_level == 248
     status = board.status()
@@ -110,7 +111,7 @@ def test_upload_writes_what_differs_and_download_brings_it_back(board, folder, i
     assert board.upload(image) == 9
     assert board.upload(image) == 0
     board.write(PRIMARY_BASE + 3 * RECORD_BYTES + 8, b"xy")
-    with pytest.raises(HaptogramError, match="differs at address 0x00000278"):
+    with refusal(HaptogramError):
         board.compare(image)
     assert board.upload(image) == 1
     board.compare(image)
@@ -123,27 +124,28 @@ def test_upload_notices_a_memory_that_forgets(board, image):
     board.write(PRIMARY_BASE, b"xy")
     write = board._session.exchange
     board._session.exchange = lambda requests: [] if requests and requests[0].command == 2 else write(requests)
-    with pytest.raises(HaptogramError, match="image: the board's memory still differs from address 0x00000000 on"):
+    with refusal(HaptogramError):
         board.upload(image)
 
 
 def test_an_image_for_another_board(board, folder):
     processes.haptogram(folder, "compile", "--shape", "point", "--board", "ice40-hx8k-breakout", "-o", "other.hex")
     before = board.status().frames_good
-    with pytest.raises(HaptogramError, match="48000000 Hz clock, the board has 50000000 Hz; compile it for this board") as error:
+    with refusal(HaptogramError) as error:
         board.upload(Image.load(str(folder / "other.hex")))
     assert error.value.code == ErrorCode.BAD_INPUT
     assert board.status().frames_good == before + 1
 
 
 def test_nothing_to_download(board):
-    with pytest.raises(HaptogramError, match="no sequence in its memory"):
+    with refusal(HaptogramError):
         board.download()
 
 
 def test_one_program_at_a_time(board, folder):
     path = str(folder / "port")
-    with pytest.raises(HaptogramError, match="another program is using it"):
+    with refusal(HaptogramError):
         Client.open(path)
     theirs = processes.run([processes.PROGRAM, "device", "info", "--port", "port"], folder)
-    assert theirs.returncode == processes.DEVICE and "another program" in theirs.stderr
+    assert theirs.returncode == processes.DEVICE
+    program_said(theirs.returncode, theirs.stderr)

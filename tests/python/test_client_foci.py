@@ -7,6 +7,7 @@ import zlib
 import processes
 import numpy as np
 import pytest
+from messages import refusal
 from processes import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, python_command, run, virtual_board
 from haptogram import Client, Focus, HaptogramError, Image
 from haptogram.interface import MODULATION_BASE, PARAMETERS_BASE, PRIMARY_BASE, RING_BASE, RING_FIELDS, unpack
@@ -57,7 +58,7 @@ def test_words_of_a_focus():
         assert max(abs(back[0] - x), abs(back[1] - y), abs(back[2] - z)) <= 1 / 256 and abs(back.amplitude - a) <= 0.5 / 255
     assert Focus(1, -1, 130, 1).pack() == bytes.fromhex("8000 80ff 0041 0cff")  # by rtl/INTERFACE.md
     for wrong in (Focus(1024, 0, 0), Focus(0, -1024.01, 0), Focus(0, 0, float("nan")), Focus(0, 0, 100, 1.01), Focus(0, 0, 100, -0.1)):
-        with pytest.raises(HaptogramError, match="expected"):
+        with refusal(HaptogramError):
             wrong.pack()
 
 
@@ -72,7 +73,7 @@ def test_upload_writes_what_differs_and_the_geometry(wide):
     assert board.highest_index() == 257 and board.parameters()["foci_last"] == 1
     board.upload(circle)
     assert not board.status().modulated and board.highest_index() == 264
-    with pytest.raises(HaptogramError, match="cannot be read back"):
+    with refusal(HaptogramError):
         board.download()
 
 
@@ -85,9 +86,9 @@ def test_foci_are_changed_while_they_play(wide):
             board.write_foci(257, [Focus(x, 0, 95, 0.5)])
         assert board.status().present_index == 257
     assert board.read(0, 8) == Focus(5, 0, 95, 0.5).pack() and board.read(8, 8) == Focus(5, 0, 95, 0).pack()
-    for index, foci, why in ((258, [Focus(0, 0, 90)], "expected 257 to 257"), (256, [Focus(0, 0, 90)], "expected 257"), (257, [], "0 foci"),
-                             (257, [Focus(0, 0, 90)] * 3, "3 foci, expected 1 to 2")):  # fmt: skip
-        with pytest.raises(HaptogramError, match=why):
+    for index, foci in ((258, [Focus(0, 0, 90)]), (256, [Focus(0, 0, 90)]), (257, []),
+                             (257, [Focus(0, 0, 90)] * 3)):  # fmt: skip
+        with refusal(HaptogramError):
             board.write_foci(index, foci)
     status = board.status()
     assert (status.refused_records, status.underruns, status.far_foci) == (0, 0, 0)
@@ -103,41 +104,41 @@ def test_the_program_plays_streams_and_modulates_foci(wide):
     now = json.loads(ask(folder, "device", "status", "--json"))
     assert (now["refused_records"], now["far_foci"], now["outputs"]) == (0, 0, "off")
     (folder / "lines").write_text("258\n")
-    assert_refused(run(python_command("stream", "lines", "--port", "port"), folder), BAD_INPUT, "lines:1", "0 to 257")
+    assert_refused(run(python_command("stream", "lines", "--port", "port"), folder), BAD_INPUT)
     ask(folder, "device", "modulate", "--off")
     assert json.loads(ask(folder, "device", "status", "--json"))["modulated"] is False
     ask(folder, "device", "modulate", "--divider", 5, "--samples", 2, "--once")
-    assert_refused(run(python_command("device", "modulate", "--samples", 65, "--port", "port"), folder), USAGE, "holds 64")
+    assert_refused(run(python_command("device", "modulate", "--samples", 65, "--port", "port"), folder), USAGE)
 
 
 def test_another_board_is_refused(wide):
     folder, board = wide
     two = Image.load(str(folder / "two.hex"))
-    for change, why in ((two.foci._replace(board_records=300), "behind index 300"),
-                        (two.foci._replace(data=bytes(8 * 1280 + 8)), "bytes of primary memory")):  # fmt: skip
-        with pytest.raises(HaptogramError, match=why):
+    for change in (two.foci._replace(board_records=300),
+                        two.foci._replace(data=bytes(8 * 1280 + 8))):  # fmt: skip
+        with refusal(HaptogramError):
             dataclasses.replace(two, foci=change).require_fits(board.identity, "image")
-    with pytest.raises(HaptogramError, match="65 samples of modulation, the board holds 64"):
+    with refusal(HaptogramError):
         dataclasses.replace(two, modulation=two.modulation._replace(samples=bytes(65))).require_fits(board.identity, "image")
     older = dataclasses.replace(board.identity, version=(2, 4))
     phase = bytes([0, 0, 0, 0, 0, 0, 0, 0x40]) + two.foci.geometry[8:]
     dataclasses.replace(two, foci=two.foci._replace(geometry=phase)).require_fits(older, "image")
-    with pytest.raises(HaptogramError, match="knows none"):
+    with refusal(HaptogramError):
         dataclasses.replace(two, foci=two.foci._replace(geometry=b"\0" * 6 + b"\1" + phase[7:])).require_fits(older, "image")
     plain = dataclasses.replace(board.identity, foci=0, width_bits=0, modulation_words=0)
-    with pytest.raises(HaptogramError, match="computes no foci"):
+    with refusal(HaptogramError):
         two.require_fits(plain, "image")
 
 
 def test_a_board_without_modulation(folder):
     with virtual_board(folder):
-        assert_refused(run(python_command("device", "modulate", "--port", "port"), folder), DEVICE, "no modulation")
+        assert_refused(run(python_command("device", "modulate", "--port", "port"), folder), DEVICE)
 
 
 def test_foci_are_pushed_while_they_play(wide):
     """What the ring holds is what was pushed, and the image stays."""
     folder, client = wide
-    with pytest.raises(HaptogramError, match="bad_range"):
+    with refusal(HaptogramError):
         client.push_foci([Focus(0, 0, 100, 1)], 1)
     client.make_ring()
     client.make_ring()
@@ -163,7 +164,7 @@ def test_changes_wait_for_a_period_or_the_end(wide):
     period = client.status().period
     client.start(1, 2, period=period + 10**9)
     assert client.status().waiting and client.status().period > period
-    with pytest.raises(HaptogramError, match="gate_busy"):
+    with refusal(HaptogramError):
         client.push([257], 1, period=period + 10**9 + 1)
     client.stop()
     assert not client.status().waiting
@@ -177,9 +178,9 @@ def test_changes_wait_for_a_period_or_the_end(wide):
     assert client.status().late_changes == 1 and client.status().mode == "live"
     client.modulate(2, 8, first=4, at_end=True)
     for wrong in (dict(period=0), dict(period=5, at_end=True)):
-        with pytest.raises(HaptogramError, match="period"):
+        with refusal(HaptogramError):
             client.start(1, 2, **wrong)
-    with pytest.raises(HaptogramError, match="even"):
+    with refusal(HaptogramError):
         client.modulate(2, first=3)
 
 
@@ -190,8 +191,8 @@ def test_the_program_gives_a_board_a_role(folder):
         ask(folder, "device", "sync", "slave")
         now = json.loads(ask(folder, "device", "status", "--json"))
         assert (now["role"], now["in_step"], now["numbered"], now["sync_misses"]) == ("slave", False, False, 0)
-        assert_refused(run(python_command("device", "enable", "--port", "port"), folder), DEVICE, "out_of_step")
+        assert_refused(run(python_command("device", "enable", "--port", "port"), folder), DEVICE)
         ask(folder, "device", "sync", "alone")
         ask(folder, "device", "enable")
     with virtual_board(folder):
-        assert_refused(run(python_command("device", "sync", "master", "--port", "port"), folder), DEVICE, "no SYNC")
+        assert_refused(run(python_command("device", "sync", "master", "--port", "port"), folder), DEVICE)

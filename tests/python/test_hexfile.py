@@ -7,6 +7,7 @@ import processes
 import pytest
 from haptogram import HaptogramError, Image, Record, hexfile
 from intelhex import IntelHex
+from messages import refusal
 
 
 def test_an_image_is_what_the_manifest_says(compiled, image):
@@ -29,7 +30,7 @@ def test_a_saved_image_is_the_same_to_both_programs(folder, image):
 def test_bytes_are_read_as_a_file_is(compiled, image):
     assert Image.from_bytes(compiled.read_bytes()) == image
     assert repr(image) == "<Image: 8 records, 8 entries, 100 channels at 50 MHz>"
-    with pytest.raises(HaptogramError, match="^what was sent: no end record"):
+    with refusal(HaptogramError):
         Image.from_bytes(compiled.read_bytes()[:-20], "what was sent")
 
 
@@ -48,44 +49,44 @@ def put16(file, address, value):
     file[address], file[address + 1] = value & 0xFF, value >> 8
 
 
-@pytest.mark.parametrize(("address", "value", "message"), [
-    (0x40000000, 0x1234, "magic 1234"),
-    (0x40000002, 2, "format 2"),
-    (0x40000004, 0, "none may be zero"),
-    (0x40000006, 9, "expected 1872"),
-    (0x40000008, 8, "sequence memory holds 36 bytes"),
-    (0x10000000, 7, "says 7 entries, the description 8"),
-    (0x10000004, 9, "sequence entry 1: index 9 of 8"),
-    (0x1000000A, 0, "sequence entry 2: dwell 0"),
-    (0x00000004, 0, "record 1: prescaler 0"),
-    (0x00000006, 0x100, "record 1: kind 1, prescaler 5"),
-    (0x00000000, 125, "record 1: a pulse of 125 ticks"),
-    (0x00000006, 0xFF, "record 1: a cycle lasts"),
-    (0x50000000, 0, "belong to no region"),
+@pytest.mark.parametrize(("address", "value"), [
+    (0x40000000, 0x1234),
+    (0x40000002, 2),
+    (0x40000004, 0),
+    (0x40000006, 9),
+    (0x40000008, 8),
+    (0x10000000, 7),
+    (0x10000004, 9),
+    (0x1000000A, 0),
+    (0x00000004, 0),
+    (0x00000006, 0x100),
+    (0x00000000, 125),
+    (0x00000006, 0xFF),
+    (0x50000000, 0),
 ])  # fmt: skip
-def test_what_an_image_cannot_say(address, value, message, compiled, tmp_path):
+def test_what_an_image_cannot_say(address, value, compiled, tmp_path):
     file = IntelHex(str(compiled))
     put16(file, address, value)
     file.write_hex_file(str(tmp_path / "bad.hex"))
-    with pytest.raises(HaptogramError, match=message) as error:
+    with refusal(HaptogramError) as error:
         Image.load(str(tmp_path / "bad.hex"))
     assert error.value.code == processes.BAD_INPUT
 
 
-@pytest.mark.parametrize(("damage", "where", "message"), [
-    (lambda text: "", "bad.hex", "no end record"),
-    (lambda text: text[:1000], "bad.hex", "no end record"),
-    (lambda text: text + text, "bad.hex", "two files"),
-    (lambda text: text.replace("\n", "\nx", 1), "bad.hex:2", "invalid record"),
-    (lambda text: text[:15] + ("1" if text[15] != "1" else "2") + text[16:], "bad.hex:1", "checksum"),
-    (lambda text: text[: text.index("\n") + 1] + text, "bad.hex:2", "overlap"),
-    (lambda text: "".join(text.splitlines(True)[1:]), "bad.hex", "primary memory holds 0 bytes"),
-    (lambda text: ":0400000300003800C1\n" + text, "bad.hex", "start address"),
-    (lambda text: "\xff" + text, "bad.hex", "no ASCII"),
+@pytest.mark.parametrize(("damage", "where"), [
+    (lambda text: "", "bad.hex"),
+    (lambda text: text[:1000], "bad.hex"),
+    (lambda text: text + text, "bad.hex"),
+    (lambda text: text.replace("\n", "\nx", 1), "bad.hex:2"),
+    (lambda text: text[:15] + ("1" if text[15] != "1" else "2") + text[16:], "bad.hex:1"),
+    (lambda text: text[: text.index("\n") + 1] + text, "bad.hex:2"),
+    (lambda text: "".join(text.splitlines(True)[1:]), "bad.hex"),
+    (lambda text: ":0400000300003800C1\n" + text, "bad.hex"),
+    (lambda text: "\xff" + text, "bad.hex"),
 ])  # fmt: skip
-def test_a_damaged_file(damage, where, message, compiled, tmp_path):
+def test_a_damaged_file(damage, where, compiled, tmp_path):
     (tmp_path / "bad.hex").write_text(damage(compiled.read_text()), encoding="latin-1")
-    with pytest.raises(HaptogramError, match=message) as error:
+    with refusal(HaptogramError) as error:
         Image.load(str(tmp_path / "bad.hex"))
     assert error.value.code == processes.BAD_INPUT
     assert error.value.where == str(tmp_path / where)
@@ -100,6 +101,6 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
     hexfile.write_file(str(link), "new")
     assert link.is_symlink() and target.read_text() == "new" and target.stat().st_mode & 0o777 == 0o640
     for path in ("/dev/full", str(tmp_path / "no" / "file")):
-        with pytest.raises(HaptogramError, match="cannot be written"):
+        with refusal(HaptogramError):
             hexfile.write_file(path, "x")
     assert sorted(os.listdir(tmp_path)) == ["file", "link"]

@@ -15,6 +15,7 @@ import time
 import numpy as np
 import pytest
 import websockets
+from messages import program_said, refusal
 from patience import also_in_time
 from processes import BAD_INPUT, DEVICE, ENVIRONMENT, OK, PROGRAM, USAGE, haptogram, run, virtual_board
 from realsense_recording import RATE, record
@@ -108,11 +109,10 @@ def test_several_cameras_make_one_shot_and_one_that_ends_is_missing(tmp_path, fi
     assert all(500 <= pictures[0][0] < 512 for _, _, pictures in shots(written, 1))
 
 
-def refuse(result, code, *needles):
+def refuse(result, code):
     said = result.stderr if isinstance(result.stderr, str) else result.stderr.decode()
     assert result.returncode == code and len(said.splitlines()) == 1, said
-    for needle in needles:
-        assert needle in said
+    program_said(code, said)
 
 
 def test_what_cannot_be_used_is_named(tmp_path):
@@ -120,25 +120,25 @@ def test_what_cannot_be_used_is_named(tmp_path):
     record(tmp_path / "b.db3", "222", flat([1, 2]), INSIDE)
     (tmp_path / "nothing.db3").write_text("nothing")
     two = ["--recording", "a.db3", "--recording", "b.db3"]
-    refuse(run(realsense(), tmp_path), DEVICE, "no RealSense camera")
-    refuse(run(realsense("--recording", "none.db3"), tmp_path), DEVICE, "none.db3")
-    refuse(run(realsense("--recording", "nothing.db3"), tmp_path), DEVICE, "nothing.db3")
-    refuse(run(realsense(*two), tmp_path), USAGE, "111, 222", "--poses")
-    refuse(run(realsense("--recording", "a.db3", "--recording", "a.db3"), tmp_path), BAD_INPUT, "same camera")
-    refuse(run(realsense("--rate", "0"), tmp_path), USAGE, "--rate")
+    refuse(run(realsense(), tmp_path), DEVICE)
+    refuse(run(realsense("--recording", "none.db3"), tmp_path), DEVICE)
+    refuse(run(realsense("--recording", "nothing.db3"), tmp_path), DEVICE)
+    refuse(run(realsense(*two), tmp_path), USAGE)
+    refuse(run(realsense("--recording", "a.db3", "--recording", "a.db3"), tmp_path), BAD_INPUT)
+    refuse(run(realsense("--rate", "0"), tmp_path), USAGE)
 
-    def poses(text, *needles, code=BAD_INPUT):
+    def poses(text, code=BAD_INPUT):
         (tmp_path / "poses.toml").write_text(text)
-        refuse(run(realsense(*two, "--poses", "poses.toml"), tmp_path), code, "poses.toml", *needles)
+        refuse(run(realsense(*two, "--poses", "poses.toml"), tmp_path), code)
 
-    poses(POSES.replace("111", "333"), "333 is not there", code=DEVICE)
-    poses(POSES.replace("111", "222"), "camera 2", "222")
-    poses(POSES.replace('"111"', "111"), "camera 2", "text")
-    poses(POSES.replace("[0, 300, 200]", "[0, 300]"), "camera 2", "position_mm", "three numbers")
-    poses(POSES.replace("[0, 300, 200]", "[0, nan, 200]"), "three numbers")
-    poses(POSES.replace("right", "left"), "right and forward")
-    poses("x = 1", "there is no camera")
-    poses("[[camera]", "cannot be read")
+    poses(POSES.replace("111", "333"), code=DEVICE)
+    poses(POSES.replace("111", "222"))
+    poses(POSES.replace('"111"', "111"))
+    poses(POSES.replace("[0, 300, 200]", "[0, 300]"))
+    poses(POSES.replace("[0, 300, 200]", "[0, nan, 200]"))
+    poses(POSES.replace("right", "left"))
+    poses("x = 1")
+    poses("[[camera]")
 
 
 @also_in_time
@@ -289,12 +289,12 @@ def test_a_pipe_checks_what_it_is_given():
     stream = io.BytesIO()
     pipe = DepthPipe(stream, [camera, camera], 30)
     for wrong in ([None], [bytes(15), None], [None, bytes(18)]):
-        with pytest.raises(HaptogramError, match="shot 3"):
+        with refusal(HaptogramError):
             pipe.write(3, 0.1, wrong)
-    with pytest.raises(HaptogramError, match="finite"):
+    with refusal(HaptogramError):
         pipe.write(3, float("nan"), [None, None])
     for count in (0, 33):
-        with pytest.raises(HaptogramError, match=f"found {count}"):
+        with refusal(HaptogramError):
             DepthPipe(io.BytesIO(), [camera] * count, 30)
     head = stream.tell()
     pipe.write(3, 0.1, [None, np.arange(8, dtype="<u2").reshape(2, 4).data])
@@ -390,11 +390,11 @@ def test_lines_of_the_tracking_service_are_a_recording(tmp_path):
 
 
 def test_what_is_no_tracking_service_is_named(tmp_path):
-    refuse(run(leap("--url", "ws://127.0.0.1:1/v6.json"), tmp_path), DEVICE, "no tracking service answers")
-    refuse(run(leap("--url", "nonsense"), tmp_path), DEVICE, "nonsense")
-    for message, code, needle in ((json.dumps({"version": 5}), DEVICE, "protocol 5"), ("hello", BAD_INPUT, "no Leap service"), ("[]", BAD_INPUT, "no Leap service")):
+    refuse(run(leap("--url", "ws://127.0.0.1:1/v6.json"), tmp_path), DEVICE)
+    refuse(run(leap("--url", "nonsense"), tmp_path), DEVICE)
+    for message, code in ((json.dumps({"version": 5}), DEVICE), ("hello", BAD_INPUT), ("[]", BAD_INPUT)):
         with Service([message]) as service:
-            refuse(run(leap("--url", service.url), tmp_path), code, needle)
+            refuse(run(leap("--url", service.url), tmp_path), code)
 
 
 @pytest.mark.parametrize("program", ["leap", "realsense"])

@@ -13,6 +13,7 @@ from haptogram import HaptogramError
 from haptogram_study import inference
 from haptogram_study.observers import felt
 from haptogram_study.staircase import Rule, Staircase
+from messages import refusal
 from scipy import optimize, special, stats
 
 TABLE_1 = [[56, 6, 24, 4], [13, 59, 11, 7], [46, 2, 40, 2], [6, 9, 7, 68]]
@@ -262,7 +263,7 @@ def test_printed_means_and_percentages(dice):
         counts = [people // 3, people // 2, people - people // 3 - people // 2]
         given = [f"{100 * c / people:.1f}" for c in counts]
         assert inference.possible_counts(given, people) and inference.fewest_people(given) <= people
-    with pytest.raises(HaptogramError, match="no number of people"):
+    with refusal(HaptogramError):
         inference.fewest_people(["50.0", "60.0"], 500)
 
 
@@ -303,5 +304,5 @@ def test_what_cannot_be_computed_is_said():
     for call in (lambda: inference.paired_t([1.0], [2.0]), lambda: inference.confusion([[1, 2], [0, 0]]), lambda: inference.confusion([[1, 2, 3], [1, 2, 3]]),
                  lambda: inference.chi_squared([[0, 1], [0, 2]]), lambda: inference.anova([1.0, math.nan], [1.0, 2.0]),
                  lambda: inference.psychometric([1.0, 2.0], [5.0, 5.0], [5.0, 5.0]), lambda: inference.rm_anova([[1.0], [2.0]])):  # fmt: skip
-        with pytest.raises(HaptogramError, match="expected|no threshold"):
+        with refusal(HaptogramError):
             call()

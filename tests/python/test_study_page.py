@@ -7,6 +7,7 @@ import time
 
 import processes
 import pytest
+from messages import program_said
 from processes import BAD_INPUT, OK, RUN_FAILED, run
 from haptogram_study import protocol
 from haptogram_study.design import cells
@@ -101,7 +102,8 @@ def test_a_session_by_a_page_is_that_of_the_terminal(place, expected):
     whole.unlink()
     (place / "page.jsonl").rename(whole)
     result = run(session(), place)
-    assert result.returncode == BAD_INPUT and "observer is 'page', not 'keyboard'" in result.stderr
+    assert result.returncode == BAD_INPUT
+    program_said(result.returncode, result.stderr)
 
 
 def test_whatever_ends_it_the_session_goes_on(place, expected):

@@ -6,6 +6,7 @@ import re
 import sys
 
 import pytest
+from messages import program_said, refusal
 from processes import OK, ROOT, RUN_FAILED, run
 from haptogram import HaptogramError
 from haptogram_study import printed
@@ -30,7 +31,8 @@ def test_the_page_is_fresh(tmp_path, lines):
     assert run([*command, "--check", PAGE], tmp_path).returncode == OK
     (tmp_path / "stale.md").write_text(PAGE.read_text().replace("0.655", "0.656"))
     stale = run([*command, "--check", "stale.md"], tmp_path)
-    assert stale.returncode == RUN_FAILED and "stale.md" in stale.stderr
+    assert stale.returncode == RUN_FAILED
+    program_said(stale.returncode, stale.stderr)
     assert len(json.loads(run([*command, "--json"], tmp_path).stdout)) == len(lines)
 
 
@@ -96,20 +98,18 @@ def test_tables(lines):
     assert [one(lines, "Multimodal", part).ours for part in ("finger: a", "finger: b", "palm: a", "palm: b")] == ["0.07721", "0.01353", "0.06257", "0.01409"]
 
 
-@pytest.mark.parametrize(("text", "needles"), [
-    ("", ["format", "missing"]),
-    ('format = "haptogram-printed-1"\n', ["number"]),
-    ('paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "magic"\n', ["number 1: by", "magic", "grim"]),
-    ('paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "one"\nby = "value"\nwith = { value = 1 }\n', ["printed", "one", "digits"]),
-    ('paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "value"\nwith = { worth = 1 }\n', ["with", "arguments of value"]),
-    ('paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "quotient"\nwith = { over = [1], under = [0] }\n', ["with", "quotient"]),
-    ('paper = "P"\nwhere = "1"\nwhat = "w"\nby = "confusion_kappa"\nwith = { table = "none" }\n', ["with.table", "none"]),
-    ('paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "value"\nwith = { value = 1 }\nnota = "x"\n', ["nota", "no meaning"]),
+@pytest.mark.parametrize("text", [
+    "",
+    'format = "haptogram-printed-1"\n',
+    'paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "magic"\n',
+    'paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "one"\nby = "value"\nwith = { value = 1 }\n',
+    'paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "value"\nwith = { worth = 1 }\n',
+    'paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "quotient"\nwith = { over = [1], under = [0] }\n',
+    'paper = "P"\nwhere = "1"\nwhat = "w"\nby = "confusion_kappa"\nwith = { table = "none" }\n',
+    'paper = "P"\nwhere = "1"\nwhat = "w"\nprinted = "1"\nby = "value"\nwith = { value = 1 }\nnota = "x"\n',
 ])  # fmt: skip
-def test_a_bad_list_is_refused(tmp_path, text, needles):
+def test_a_bad_list_is_refused(tmp_path, text):
     path = tmp_path / "bad.toml"
     path.write_text(('format = "haptogram-printed-1"\n[[number]]\n' if text.startswith("paper") else "") + text)
-    with pytest.raises(HaptogramError) as caught:
+    with refusal(HaptogramError):
         printed.recompute(path)
-    for needle in ("bad.toml", *needles):
-        assert needle in str(caught.value)

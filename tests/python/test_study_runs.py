@@ -21,6 +21,7 @@ import matplotlib
 import numpy as np
 import pytest
 import scipy.ndimage
+from messages import program_said, refusal
 from patience import also_in_time, until
 from processes import BAD_INPUT, DEVICE, OK, RUN_FAILED, USAGE, haptogram, run, virtual_board
 from haptogram import HaptogramError
@@ -83,10 +84,13 @@ def records(path):
 
 
 def assert_says(result, code, *needles):
+    """Of an error its place, of what went well what `needles` name."""
     assert result.returncode == code, result.stderr
     assert "Traceback" not in result.stderr
     for needle in needles:
         assert needle in result.stderr, result.stderr
+    if code != OK:
+        program_said(code, result.stderr)
 
 
 @pytest.fixture
@@ -142,7 +146,7 @@ def test_wherever_it_is_cut_it_ends_the_same(place, name):
 
 def test_stopping(place):
     result = run(session(), place, stdin=None, input="\n1\nq\n")
-    assert_says(result, RUN_FAILED, "stopped after 1 more answers")
+    assert_says(result, RUN_FAILED)
     host = subprocess.Popen(session(), cwd=place, env=processes.ENVIRONMENT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while "Trial 2" not in host.stderr.readline():
         assert host.poll() is None
@@ -169,10 +173,10 @@ def test_time_runs_out(place):
 def test_files_of_other_sessions_are_left_alone(place):
     assert run(session("--observer", "simulated:protocol"), place).returncode == OK
     whole = (place / "out.jsonl").read_bytes()
-    assert_says(run(session("--observer", "simulated:protocol", participant=4), place), BAD_INPUT, "out.jsonl:1", "participant is '3', not '4'", "another file")
-    assert_says(run(session("--observer", "simulated:chance"), place), BAD_INPUT, "observer")
+    assert_says(run(session("--observer", "simulated:protocol", participant=4), place), BAD_INPUT)
+    assert_says(run(session("--observer", "simulated:chance"), place), BAD_INPUT)
     (place / "small.toml").write_text(SMALL + "# changed\n")
-    assert_says(run(session("--observer", "simulated:protocol"), place), BAD_INPUT, "protocol_sha256")
+    assert_says(run(session("--observer", "simulated:protocol"), place), BAD_INPUT)
     assert (place / "out.jsonl").read_bytes() == whole
 
 
@@ -181,43 +185,41 @@ def test_hostile_results(place):
     good = [json.dumps(record) for _, record in simulate(p, 1)]
     path = place / "out.jsonl"
 
-    def refused(text, *needles):
+    def refused(text):
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
         before = path.read_bytes()
-        with pytest.raises(HaptogramError) as caught, results.ResultsFile(path) as file:
+        with refusal(HaptogramError), results.ResultsFile(path) as file:
             Session(p, 1, 1, observers.simulated(p, "simulated:protocol"), Presenter(p), file.append, before=file.before).run()
-        for needle in needles:
-            assert needle in str(caught.value), str(caught.value)
         assert path.read_bytes() == before
 
-    refused("hello\n", "out.jsonl:1", "'hello'", "JSON")
-    refused(b"\xff\xfe\n", "JSON")
-    refused("[" * 100_000 + "\n", "JSON")
-    refused('{"format": NaN}\n', "JSON")
-    refused("3\n", "format")
-    refused(good[0].replace("haptogram-trial-1", "haptogram-trial-2") + "\n", "haptogram-trial-2", "haptogram-trial-1")
-    refused("x" * 1_100_000 + "\n", "bytes")
-    refused(good[1] + "\n", "trial is '2', expected '1'")
-    refused("\n".join([good[0], good[0], ""]), "out.jsonl:2", "trial is '1', expected '2'")
-    refused("\n".join([*good, good[-1], ""]), "out.jsonl:9", "had ended")
-    refused(good[0].replace('"answers"', '"answered"') + "\n", "answers answer expected")
-    refused(good[0].replace('"factors": {"shape": "', '"factors": {"shape": "un') + "\n", "factors")
+    refused("hello\n")
+    refused(b"\xff\xfe\n")
+    refused("[" * 100_000 + "\n")
+    refused('{"format": NaN}\n')
+    refused("3\n")
+    refused(good[0].replace("haptogram-trial-1", "haptogram-trial-2") + "\n")
+    refused("x" * 1_100_000 + "\n")
+    refused(good[1] + "\n")
+    refused("\n".join([good[0], good[0], ""]))
+    refused("\n".join([*good, good[-1], ""]))
+    refused(good[0].replace('"answers"', '"answered"') + "\n")
+    refused(good[0].replace('"factors": {"shape": "', '"factors": {"shape": "un') + "\n")
     broken = [good[0].replace(old, new) for old, new in (('"value"', '"worth"'), ('"value": "', '"value": "un'), ('"correct": ', '"correct": 1, "x": '), ('"seconds": ', '"seconds": "x", "x": '),
               ('"circle"', '"star"'), ('"line"', '"star"'), ('"answer":', '"reply":'))]  # fmt: skip
     for bad in (json.dumps({"format": "haptogram-trial-1", "protocol": p.name, "protocol_sha256": p.sha256}), *(b for b in broken if b != good[0] and json.loads(b))):
-        with pytest.raises(HaptogramError, match="no complete record"):
+        with refusal(HaptogramError):
             analysis.frame(p, results.parse(bad.encode() + b"\n", "x"))
-    with pytest.raises(HaptogramError, match="second record"):
+    with refusal(HaptogramError):
         analysis.frame(p, results.parse("\n".join([good[0], good[0], ""]).encode(), "x"))
-    with pytest.raises(HaptogramError, match="not complete"):
+    with refusal(HaptogramError):
         path.write_text(good[0])
         results.read(path)
-    with pytest.raises(HaptogramError, match="no ordinary file"), results.ResultsFile(type(path)("/dev/full")):
+    with refusal(HaptogramError), results.ResultsFile(type(path)("/dev/full")):
         pass
-    with pytest.raises(HaptogramError, match="Is a directory"), results.ResultsFile(place):
+    with refusal(HaptogramError), results.ResultsFile(place):
         pass
     path.unlink()
-    with results.ResultsFile(path), pytest.raises(HaptogramError, match="another program"), results.ResultsFile(path):
+    with results.ResultsFile(path), refusal(HaptogramError), results.ResultsFile(path):
         pass
 
 
@@ -344,18 +346,16 @@ def test_unfinished_sessions_are_left_out(place):
     assert lines[0].startswith("MIXED") and lines[1].startswith("UNFINISHED")
 
 
-@pytest.mark.parametrize(("name", "lacking"), [("stairs.toml", "3 of 4 thresholds"), ("multimodal_placing", "3 of 3 trials and {} of {} answers at the end")])
-def test_thresholds_and_questions_at_the_end_finish_a_session(place, name, lacking):
+@pytest.mark.parametrize("name", ["stairs.toml", "multimodal_placing"])
+def test_thresholds_and_questions_at_the_end_finish_a_session(place, name):
     p = protocol.read(protocol.find(name) if name in protocol.shipped() else place / name)
     if p.staircase:
         (place / name).write_text((place / name).read_text().replace("sets = 2", "sets = 1"))
         p = protocol.read(place / name)
     whole = session_of(p, 1)
-    end = sum(record["kind"] == "question" for record in whole)
     analysis.origin.of(p, [("a:1", record) for record in whole]).refuse()
-    with pytest.raises(HaptogramError) as caught:
+    with refusal(HaptogramError):
         analysis.study(p, [("a:1", record) for record in whole[:-1]])
-    assert f"a: participant 1 has {lacking.format(end - 1, end)}" in str(caught.value)
 
 
 def test_stimuli_that_were_not_played_are_said(place):
@@ -380,9 +380,9 @@ def test_records_that_do_not_say_where_they_are_from(place):
                    {"participant": 1e400}, {"kind": "question", "question": "other"}):  # fmt: skip
         given = session_of(p, 1)
         given[2] |= change
-        with pytest.raises(HaptogramError, match="here:3: is no complete record"):
+        with refusal(HaptogramError):
             analysis.study(p, [(f"here:{number}", record) for number, record in enumerate(given, 1)])
-    with pytest.raises(HaptogramError, match="no records"):
+    with refusal(HaptogramError):
         analysis.study(p, [])
 
 
@@ -421,7 +421,7 @@ def test_differences_without_scatter_have_no_effect_size(place, base):
     for _, record in given:
         if record["kind"] == "trial":
             record["answers"]["angle"]["error"] = base * record["participant"] + (0.1 if record["factors"]["method"] == "static" else 0.3)
-    with pytest.raises(HaptogramError, match="error of the angle: .*no p-value"):
+    with refusal(HaptogramError):
         analysis.study(p, given)
 
 
@@ -461,7 +461,7 @@ where = { set = 2 }
     assert made["second"].numbers["successes"] == sum(r["answers"]["answer"]["correct"] for _, r in given if r["set"] == 2)
     assert set(made["wilcoxon"].p) == {"set 1, set 2", "set 1, set 3", "set 2, set 3"} and list(made["rm-anova"].numbers["mean"]) == ["set 1", "set 2", "set 3"]
     (place / "stairs.toml").write_text(STAIRS.replace('kind = "yes-no"', 'kind = "yes-no"\nlimit_s = 2'))
-    with pytest.raises(HaptogramError, match="without limit_s"):
+    with refusal(HaptogramError):
         protocol.read(place / "stairs.toml")
     (place / "stairs.toml").write_text(STAIRS.replace('by = "shape"', 'by = "set"', 2))
     stairs = protocol.read(place / "stairs.toml")
@@ -469,7 +469,7 @@ where = { set = 2 }
     assert list(thresholds.numbers["mean_db"]) == ["set 1", "set 2"] and list(functions.numbers) == ["set 1", "set 2"]
     broken = simulate(small, 1)
     broken[3][1]["set"] = 4
-    with pytest.raises(HaptogramError, match="no complete record.*set 4 is not one of 3"):
+    with refusal(HaptogramError):
         analysis.study(small, broken)
 
 
@@ -480,7 +480,7 @@ def test_power(place):
     assert strong["rate"][0] == 1.0
     guessing = analysis.power(p, "simulated:chance", 6, 60, 1, 0.05)["rate"]
     assert guessing[0] <= 0.05 + 4 * (0.05 * 0.95 / 60) ** 0.5 and guessing[1] <= guessing[0] <= guessing[2]
-    with pytest.raises(HaptogramError, match="no analysis with a p-value"):
+    with refusal(HaptogramError):
         analysis.power(protocol.read(place / "stairs.toml"), "simulated:protocol", 2, 1, 1, 0.05)
 
 
@@ -489,8 +489,8 @@ def test_observers_of_a_file(place):
     assert_says(run(session("--observer", "simulated:people.toml"), place), OK, "complete")
     assert {r["answers"]["answer"]["value"] for r in records(place / "out.jsonl")} == {"circle"}
     (place / "people.toml").write_text('[answer]\nmodel = "preference"\nweights = { circle = 1 }\n')
-    assert_says(run(session("--observer", "simulated:people.toml"), place), BAD_INPUT, "people.toml: answer: weights: line", "missing")
-    assert_says(run(session("--observer", "oracle"), place), USAGE, "oracle", "simulated:chance")
+    assert_says(run(session("--observer", "simulated:people.toml"), place), BAD_INPUT)
+    assert_says(run(session("--observer", "oracle"), place), USAGE)
 
 
 def test_a_hand_that_touches_answers_what_the_task_found(place):
@@ -503,9 +503,9 @@ def test_a_hand_that_touches_answers_what_the_task_found(place):
     again = touching.Hand(p, str(processes.PROGRAM))
     assert again.ask(angle, Occasion(1, 7, trial, None, ("trial", 1, 1)))[0] == value
     # An answer beyond the scale is refused, not moved to its end.
-    with pytest.raises(HaptogramError, match=f"trial 1: angle: the hand answers {value:g}, expected .* wider scale"):
+    with refusal(HaptogramError):
         again.ask(replace(angle, low=value + 0.5), Occasion(1, 7, trial, None, ("trial", 1, 1)))
-    assert_says(run(session("--observer", "simulated:hand"), place), BAD_INPUT, "fingers_surface", "another observer")
+    assert_says(run(session("--observer", "simulated:hand"), place), BAD_INPUT)
 
 
 @pytest.mark.deep
@@ -557,7 +557,7 @@ def test_a_hand_that_compares_two_arrays_judges_what_each_plays(place):
     assert votes(weaker, "stronger") < 15 < 45 < votes(stronger, "stronger")
     other = variant("other.toml", "A", "H")
     other.write_text(other.read_text().replace("similar", "alike"))
-    assert_says(run(study("run", "other.toml", "--participant", "1", "-o", "o.jsonl", "--observer", "simulated:hand"), place), BAD_INPUT, "cannot answer 'alike'")
+    assert_says(run(study("run", "other.toml", "--participant", "1", "-o", "o.jsonl", "--observer", "simulated:hand"), place), BAD_INPUT)
 
 
 def test_placeholders_with_numbers():
@@ -571,13 +571,13 @@ def test_stimuli_for_a_tracked_hand_are_played(place):
     (place / "lift.toml").write_text(protocol.find("fingers_lift_visible").read_text().replace("sets = 25", "sets = 1"))
     command = study("run", "lift.toml", "--participant", "1", "-o", "l.jsonl", "--observer", "simulated:chance", "--port", "port")
     with virtual_board(place, "--model", "reference", "--board", "tile-100-wide"):
-        assert_says(run(command, place), BAD_INPUT, "--from", "tracked hand")
+        assert_says(run(command, place), BAD_INPUT)
         assert_says(run([*command, "--from", "synthetic:press"], place), OK, "complete")
         found = {r["factors"]["feedback"]: r["stimulus"] for r in records(place / "l.jsonl") if r["kind"] == "trial"}
         assert {name: one["played"] for name, one in found.items()} == {"dynamic": True, "static": True, "none": False}
         assert json.loads(haptogram(place, "device", "status", "--port", "port", "--json"))["outputs"] == "off"
         (place / "l.jsonl").unlink()
-        assert_says(run([*command, "--from", "nobody:1"], place), DEVICE, "haptogram live", "ended with code")
+        assert_says(run([*command, "--from", "nobody:1"], place), DEVICE)
 
 
 def command_of(process):
@@ -632,9 +632,9 @@ def test_two_arrays_side_by_side_play_at_once(place):
     command = study("run", "shapes_comparison", "--participant", "1", "-o", "s.jsonl", "--observer", "simulated:chance", "--port", "port", "--from", "synthetic:press")
     kinds = ("--model", "reference", "--board", "tile-100-wide")
     with virtual_board(place, *kinds), virtual_board(place, *kinds, port="right"):
-        assert_says(run(command, place), BAD_INPUT, "--port", "2 arrays")
-        assert_says(run([*command, "--port", "right"], place), BAD_INPUT, "--from each")
-        assert_says(run([*command, "--port", "right", "--from", "nobody:1"], place), DEVICE, "haptogram live", "nobody")
+        assert_says(run(command, place), BAD_INPUT)
+        assert_says(run([*command, "--port", "right"], place), BAD_INPUT)
+        assert_says(run([*command, "--port", "right", "--from", "nobody:1"], place), DEVICE)
         for port in ("port", "right"):  # also of the other array when one fails
             assert json.loads(haptogram(place, "device", "status", "--port", port, "--json"))["outputs"] == "off"
         assert_says(run([*command, "--port", "right", "--from", "synthetic:press"], place), OK, "complete")
@@ -642,19 +642,19 @@ def test_two_arrays_side_by_side_play_at_once(place):
 
 
 def test_commands_of_the_terminal(place):
-    assert_says(run(study("check", "small.toml", "absent.toml", "haptogram_shapes"), place), BAD_INPUT, "absent.toml", "no such file")
+    assert_says(run(study("check", "small.toml", "absent.toml", "haptogram_shapes"), place), BAD_INPUT)
     listed = json.loads(run(study("list", "--json"), place).stdout)
     assert set(listed) == set(protocol.shipped())
-    assert_says(run(study("run", "small.toml", "-o", "x"), place), USAGE, "--participant")
-    assert_says(run(study("check", "nothing"), place), BAD_INPUT, "nothing", "haptogram_shapes")
-    assert_says(run(study("power", "small.toml", "--alpha", "2"), place), USAGE, "between 0 and 1")
+    assert_says(run(study("run", "small.toml", "-o", "x"), place), USAGE)
+    assert_says(run(study("check", "nothing"), place), BAD_INPUT)
+    assert_says(run(study("power", "small.toml", "--alpha", "2"), place), USAGE)
 
 
 def test_the_runner_needs_no_statistics(place):
     blocked = "import sys; sys.modules.update(dict.fromkeys(('numpy', 'scipy', 'pandas', 'statsmodels', 'matplotlib'))); "
     command = [sys.executable, "-c", blocked + "from haptogram_study.cli import main; sys.exit(main())"]
     assert_says(run([*command, *session("--observer", "simulated:protocol")[3:]], place), OK, "complete, 8 new answers")
-    assert_says(run([*command, "analyse", "small.toml", "out.jsonl"], place), USAGE, "haptogram[study]")
+    assert_says(run([*command, "analyse", "small.toml", "out.jsonl"], place), USAGE)
 
 
 def test_stimuli_on_a_board(place):
@@ -674,10 +674,10 @@ def test_stimuli_on_a_board(place):
     assert_says(run(session("--observer", "simulated:protocol", "--program", processes.PROGRAM, "--images", "made"), place), OK, "another image than it did before")
     assert [r["stimulus"]["image_sha256"] for r in records(place / "out.jsonl")] == [r["stimulus"]["image_sha256"] for r in made]
     (place / "out.jsonl").unlink()
-    assert_says(run(session("--observer", "simulated:protocol", "--port", "nowhere", "--program", processes.PROGRAM), place), 4, "nowhere")
-    assert_says(run(session("--observer", "simulated:protocol", "--images", "x", "--program", "absent-program"), place), BAD_INPUT, "absent-program")
+    assert_says(run(session("--observer", "simulated:protocol", "--port", "nowhere", "--program", processes.PROGRAM), place), 4)
+    assert_says(run(session("--observer", "simulated:protocol", "--images", "x", "--program", "absent-program"), place), BAD_INPUT)
     described = ["--participant", 1, "-o", "other.jsonl", "--observer", "simulated:protocol", "--images", "x", "--program", processes.PROGRAM]
-    assert_says(run(study("run", "fingers_surface", *described), place), BAD_INPUT, "another apparatus")
+    assert_says(run(study("run", "fingers_surface", *described), place), BAD_INPUT)
 
 
 def markers_of(place, monkeypatch, *options, in_time=False):
@@ -762,9 +762,9 @@ def test_stimuli_wait_for_the_trigger_input_and_have_the_boards_time(place, figu
         figure("a stimulus' beginning by the board's clock, beyond its own error", max(abs(away) - error - began[0]["error_s"] for away, error in off), 4e-3)
         figure("a stimulus' beginning: its error as told", max(b["error_s"] for b in began), 0.04)
     (place / "out.jsonl").unlink()
-    assert_says(run(session("--observer", "simulated:protocol", "--on-trigger"), place), BAD_INPUT, "--on-trigger", "no --port")
+    assert_says(run(session("--observer", "simulated:protocol", "--on-trigger"), place), BAD_INPUT)
     with virtual_board(place):
-        assert_says(run(command, place), DEVICE, "no trigger pins")
+        assert_says(run(command, place), DEVICE)
 
 
 def test_a_session_that_plays_nothing_marks_it(place, monkeypatch):
@@ -844,9 +844,9 @@ def test_an_observer_who_compares_with_templates():
     assert rates == pytest.approx(expected, abs=0.05)
     assert rates.diagonal().min() > 0.5 and rates[2, 3] > rates[2, 0]  # a line is taken for a plus, and not for a circle
     same = dict(table["answer"], drawings=dict(DRAWINGS, plus=DRAWINGS["line"]))
-    with pytest.raises(HaptogramError, match="drawings that differ"):
+    with refusal(HaptogramError):
         observers.read_models(p, {"answer": same}, "here")
-    with pytest.raises(HaptogramError, match="circle.*at least two places"):
+    with refusal(HaptogramError):
         observers.read_models(p, {"answer": dict(table["answer"], drawings=dict(DRAWINGS, circle=[[[0, 0]]]))}, "here")
-    with pytest.raises(HaptogramError, match="snr"):
+    with refusal(HaptogramError):
         observers.read_models(p, {"answer": {k: v for k, v in table["answer"].items() if k != "snr"}}, "here")

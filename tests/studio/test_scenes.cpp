@@ -6,6 +6,7 @@
 #include <future>
 #include <thread>
 
+#include "../refusal.hpp"
 #include "../test_data.hpp"
 #include "assets.hpp"
 #include "haptogram/base/file.hpp"
@@ -117,7 +118,7 @@ TEST_CASE("studio scenes: a hand is what its project file makes, and is opened o
     ordered_json other = document;
     other["hand"]["size_mm"] = 50;
     CHECK(scenes.hand(other).object->name != first.object->name);
-    CHECK_THROWS_WITH(scenes.hand(document_of(circle, "circle")), Contains("no") && Contains("[hand]"));
+    CHECK_REFUSED(scenes.hand(document_of(circle, "circle")));
 }
 
 TEST_CASE("studio scenes: recordings and meshes of a hand are files that were sent, by any name, and no others") {
@@ -128,14 +129,14 @@ TEST_CASE("studio scenes: recordings and meshes of a hand are files that were se
     };
     Scenes scenes;
     for (const char* name : {"/etc/passwd.json", "../secret.lz", "a.pose", "synthetic", ""})
-        CHECK_THROWS_WITH(scenes.hand(document(name, "cube")), Contains("does not have this file"));
+        CHECK_REFUSED(scenes.hand(document(name, "cube")));
     for (const char* name : {"/etc/passwd.stl", "trimesh_binary.stl"})
-        CHECK_THROWS_WITH(scenes.hand(document("synthetic:press", name)), Contains("does not have this file"));
-    CHECK_THROWS_WITH(scenes.hand(document("synthetic:press", "torus")), Contains("found \"torus\""));
+        CHECK_REFUSED(scenes.hand(document("synthetic:press", name)));
+    CHECK_REFUSED(scenes.hand(document("synthetic:press", "torus")));
     scenes.add_file("torn.lz", "N4Ig");
-    CHECK_THROWS_WITH(scenes.hand(document("torn.lz", "cube")), Contains("torn.lz"));
+    CHECK_REFUSED(scenes.hand(document("torn.lz", "cube")));
     scenes.add_file("hand.json", "{\"frames\": []}");
-    CHECK_THROWS_WITH(scenes.hand(document("hand.json", "cube")), Contains("hand.json"));
+    CHECK_REFUSED(scenes.hand(document("hand.json", "cube")));
     scenes.add_file(
         "hand.json",
         R"({"frames": [{"timestamp": 1, "pointables": [], "hands": [{"id": 7, "type": "right", "palmPosition": [0, 200, 0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}]}]})");
@@ -143,7 +144,7 @@ TEST_CASE("studio scenes: recordings and meshes of a hand are files that were se
     const HandScene scene = scenes.hand(document("hand.json", mesh));
     CHECK(scene.project.hand->hands->frames.size() == 1);
     CHECK(scene.object->surface.triangles.size() > 0);
-    CHECK_THROWS_WITH(scenes.add_file("hand.png", "x"), Contains("hand.png"));
+    CHECK_REFUSED(scenes.add_file("hand.png", "x"));
 }
 
 TEST_CASE("studio scenes: what plays when, and the drives of each record") {
@@ -172,8 +173,8 @@ TEST_CASE("studio scenes: what plays when, and the drives of each record") {
         }
         CHECK(std::abs(sum) > 99.0);
     }
-    CHECK_THROWS_WITH(drives_json(*scene, 0), Contains("is no record"));
-    CHECK_THROWS_WITH(drives_json(*scene, 9), Contains("1 to 8"));
+    CHECK_REFUSED(drives_json(*scene, 0));
+    CHECK_REFUSED(drives_json(*scene, 9));
 }
 
 TEST_CASE("studio scenes: a tour on a board that computes foci") {
@@ -215,9 +216,9 @@ TEST_CASE("studio pins: pulses from a record's first one on") {
     CHECK(found["to_clk"] == 1000 + 3 * 625 + 1250);
     REQUIRE(found["pulses"].size() == 2);
     CHECK(found["pulses"][1] == ordered_json({1, 3500, 3600, 2}));
-    CHECK_THROWS_WITH(pulses_json(pins, 7, 1), Contains("record 7 had no pulse"));
-    CHECK_THROWS_WITH(pulses_json(pins, 1, 0), Contains("expected 1 to"));
-    CHECK_THROWS_WITH(pulses_json(pins, 1, most_pulse_periods + 1), Contains("expected 1 to"));
+    CHECK_REFUSED(pulses_json(pins, 7, 1));
+    CHECK_REFUSED(pulses_json(pins, 1, 0));
+    CHECK_REFUSED(pulses_json(pins, 1, most_pulse_periods + 1));
 }
 
 TEST_CASE("studio scenes: a new file of an old name is another scene") {
@@ -232,24 +233,22 @@ TEST_CASE("studio scenes: a new file of an old name is another scene") {
 
 TEST_CASE("studio scenes: a document names no other files of this machine") {
     Scenes scenes;
-    CHECK_THROWS_WITH(scenes.compile(with_file("/etc/passwd.csv")), Contains("does not have this file"));
-    CHECK_THROWS_WITH(scenes.compile(with_file(data + "/shapes/trimesh_binary.stl")),
-                      Contains("does not have this file"));
+    CHECK_REFUSED(scenes.compile(with_file("/etc/passwd.csv")));
+    CHECK_REFUSED(scenes.compile(with_file(data + "/shapes/trimesh_binary.stl")));
     ordered_json document = document_of(circle, "circle");
     document["array"] = "/tmp/array.toml";
-    CHECK_THROWS_WITH(scenes.compile(document), Contains("does not have this file"));
+    CHECK_REFUSED(scenes.compile(document));
     document = document_of(circle, "circle");
     document["board"] = "board.toml";
-    CHECK_THROWS_WITH(scenes.compile(document), Contains("does not have this file"));
-    CHECK_THROWS_WITH(scenes.compile({{"format", "haptogram-project-1"}, {"path", "/tmp/path.json"}}),
-                      Contains("does not have this file"));
+    CHECK_REFUSED(scenes.compile(document));
+    CHECK_REFUSED(scenes.compile({{"format", "haptogram-project-1"}, {"path", "/tmp/path.json"}}));
     document = document_of(circle, "circle");
     for (const char* am : {"csv:/tmp/wave.csv", "csv:wave.csv"}) {
         document["am"] = am;
-        CHECK_THROWS_WITH(scenes.compile(document), Contains("does not have this file"));
+        CHECK_REFUSED(scenes.compile(document));
     }
     document["am"] = "sine:200+wav:/etc/hostname";
-    CHECK_THROWS_WITH(scenes.compile(document), !Contains("cannot be opened"));
+    CHECK_REFUSED(scenes.compile(document));
 }
 
 TEST_CASE("studio scenes: files of a design that a page sent are read from there") {
@@ -280,7 +279,7 @@ TEST_CASE("studio scenes: files of a design that a page sent are read from there
         std::string other = array;
         other.replace(other.find("loud.toml"), 9, outside);
         scenes.add_file("my.toml", other);
-        CHECK_THROWS_WITH(scenes.compile(document_of(text, "sent")), Contains("names its own files alone"));
+        CHECK_REFUSED(scenes.compile(document_of(text, "sent")));
     }
     for (const char* name : {"../my.toml", "/my.toml", "a/../my.toml", "a/.my.toml", "", "a/", "a.exe"})
         CHECK_THROWS_AS(scenes.add_file(name, "x"), Error);
@@ -292,9 +291,9 @@ TEST_CASE("studio scenes: names of files") {
     scenes.add_file("\xE2\x97\x8F two words.stl", "x");
     for (const std::string& wrong :
          {std::string(), std::string("../a.ply"), std::string("/a.ply"), std::string(".a.ply"), std::string("a\nb.ply"),
-          std::string("a\0b.ply", 7), std::string(97, 'a') + ".ply"}) {
+          std::string("a\0b.ply", 7), std::string(97, 'a').append(".ply")}) {
         INFO(wrong);
-        CHECK_THROWS_WITH(scenes.add_file(wrong, "x"), Contains("a file's name"));
+        CHECK_REFUSED(scenes.add_file(wrong, "x"));
     }
     CHECK_THROWS_AS(scenes.add_file("a.exe", "x"), Error);
 }
@@ -312,7 +311,7 @@ TEST_CASE("studio scenes: a project that is opened brings its files, and what is
     CHECK(scenes.compile(document).scene->compiled.bundle.hex == compile(direct).bundle.hex);
     write_file(folder.path() / "bad.toml",
                "format = \"haptogram-project-1\"\nrate = 5\n\n[[shape]]\nkind = \"circle\"\n");
-    CHECK_THROWS_WITH(scenes.open(folder.path() / "bad.toml"), Contains("bad.toml") && Contains("rate"));
+    CHECK_REFUSED(scenes.open(folder.path() / "bad.toml"));
 }
 
 TEST_CASE("studio scenes: only the last ones are kept") {
@@ -323,7 +322,7 @@ TEST_CASE("studio scenes: only the last ones are kept") {
         document["points"] = 9 + i;
         (void)scenes.compile(document);
     }
-    CHECK_THROWS_WITH(scenes.find(first), Contains("there is no scene"));
+    CHECK_REFUSED(scenes.find(first));
     CHECK_THROWS_AS(scenes.find(""), Error);
 }
 
@@ -367,11 +366,10 @@ TEST_CASE("studio live: a session has the document's files in its folder, and no
         INFO(word);
         CHECK(std::ranges::find(command.words, word) != command.words.end());
     }
-    CHECK_THROWS_WITH(prepare_live(scenes, {1, document, (start.folder->path() / "solid.stl").string()}),
-                      Contains("is no named pipe"));
+    CHECK_REFUSED(prepare_live(scenes, {1, document, (start.folder->path() / "solid.stl").string()}));
     ordered_json other = document;
     other["hand"]["object"] = "/etc/other.stl";
-    CHECK_THROWS_WITH(prepare_live(scenes, {1, other, ""}), Contains("does not have this file"));
+    CHECK_REFUSED(prepare_live(scenes, {1, other, ""}));
 }
 
 TEST_CASE("studio assets: a page is read as its list says, and nothing else") {
@@ -392,19 +390,18 @@ TEST_CASE("studio assets: a page is read as its list says, and nothing else") {
     CHECK(assets.at("/").plain == plain);
     CHECK(assets.at("/index.html").type == "text/html");
     CHECK(assets.size() == 2);
-    const auto other = Contains("is not the file that page.json lists");
     list("index.html", sha256("another"), plain.size());
-    CHECK_THROWS_WITH(load_assets(folder.path()), other);
+    CHECK_REFUSED(load_assets(folder.path()));
     for (const std::size_t bytes : {plain.size() - 1, plain.size() + 1}) {
         list("index.html", sha256(plain), bytes);
-        CHECK_THROWS_WITH(load_assets(folder.path()), other);
+        CHECK_REFUSED(load_assets(folder.path()));
     }
     list("index.html", sha256(plain), plain.size());
     write_file(folder.path() / "index.html.gz", std::string(packed.begin(), packed.end() - 9));
-    CHECK_THROWS_WITH(load_assets(folder.path()), other);
+    CHECK_REFUSED(load_assets(folder.path()));
     list("../index.html", sha256(plain), plain.size());
-    CHECK_THROWS_WITH(load_assets(folder.path()), Contains("no name of a file"));
+    CHECK_REFUSED(load_assets(folder.path()));
     write_file(folder.path() / "page.json", "{}");
-    CHECK_THROWS_WITH(load_assets(folder.path()), Contains("build the page again"));
-    CHECK_THAT(assets_without_page("/nowhere").at("/").plain, Contains("tools/setup"));
+    CHECK_REFUSED(load_assets(folder.path()));
+    CHECK_SAID(assets_without_page("/nowhere").at("/").plain);
 }

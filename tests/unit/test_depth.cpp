@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "../refusal.hpp"
 #include "haptogram/base/depth.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/bundle.hpp"
@@ -41,9 +42,9 @@ TEST_CASE("depth: lists, objects and tables within each other are counted, and n
 
 TEST_CASE("depth: every reader refuses what is too deep", "[base]") {
     const std::string deep = times(100'000, "["), keys = "a" + times(100'000, ".a") + " = 1\n";
-    CHECK_THROWS_WITH(manifest_from_json(deep, "m.json"), Catch::Contains("m.json") && Catch::Contains("64 deep"));
-    CHECK_THROWS_WITH(project_from_toml(keys, "p.toml"), Catch::Contains("p.toml") && Catch::Contains("64 deep"));
-    CHECK_THROWS_WITH(project_from_toml("a = " + deep, "p.toml"), Catch::Contains("64 deep"));
+    CHECK_REFUSED(manifest_from_json(deep, "m.json"));
+    CHECK_REFUSED(project_from_toml(keys, "p.toml"));
+    CHECK_REFUSED(project_from_toml("a = " + deep, "p.toml"));
     CHECK_FALSE(is_path_json(deep));
     CHECK_FALSE(is_rig_manifest(deep));
 }

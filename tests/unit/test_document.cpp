@@ -2,12 +2,12 @@
 // Project files as JSON and back.
 #include <catch2/catch.hpp>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/project.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 using nlohmann::ordered_json;
 
 namespace {
@@ -76,14 +76,14 @@ TEST_CASE("document: a text with any characters comes back as it was") {
     CHECK(document["shape"][0]["file"] == every);
     CHECK(project_from_toml(toml_of(document), "page").shapes.at(0).file == every);
     project.shapes[0].file = "caf\xe9.ply";
-    CHECK_THROWS_WITH(to_toml(project), Contains("caf\\ufffd.ply") && Contains("not UTF-8"));
+    CHECK_REFUSED(to_toml(project));
 }
 
 TEST_CASE("document: the project's reader has the last word") {
     const auto read = [](const char* json) { return project_from_toml(toml_of(ordered_json::parse(json)), "page"); };
-    CHECK_THROWS_WITH(read(R"({"format": "haptogram-project-1", "pointz": 3})"), Contains("pointz"));
-    CHECK_THROWS_WITH(read(R"({"format": "haptogram-project-1", "points": "3"})"), Contains("points"));
-    CHECK_THROWS_WITH(read(R"({"points": 3})"), Contains("format"));
+    CHECK_REFUSED(read(R"({"format": "haptogram-project-1", "pointz": 3})"));
+    CHECK_REFUSED(read(R"({"format": "haptogram-project-1", "points": "3"})"));
+    CHECK_REFUSED(read(R"({"points": 3})"));
     CHECK_THROWS_AS(document_of("points = ", "broken"), Error);
     CHECK_THROWS_AS(document_of("format = \"haptogram-project-1\"\npoints = 3\n", "nothing"), Error);
 }
@@ -91,9 +91,9 @@ TEST_CASE("document: the project's reader has the last word") {
 TEST_CASE("document: what no project file has is refused by its key") {
     for (const char* json : {R"({"a": null})", R"({"a": {"b": {}}})", R"({"a": [{"b": null}]})", R"({"a": [1, {}]})"}) {
         INFO(json);
-        CHECK_THROWS_WITH(toml_of(ordered_json::parse(json)), Contains("no project file can hold"));
+        CHECK_REFUSED(toml_of(ordered_json::parse(json)));
     }
-    CHECK_THROWS_WITH(toml_of(ordered_json::parse("[]")), Contains("expected a JSON object"));
+    CHECK_REFUSED(toml_of(ordered_json::parse("[]")));
 }
 
 TEST_CASE("document: keys and text cannot add lines of their own") {

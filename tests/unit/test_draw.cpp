@@ -5,12 +5,12 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/draw.hpp"
 #include "haptogram/verbs/compile.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -78,9 +78,9 @@ TEST_CASE("curve: a polyline goes from corner to corner at its length", "[draw]"
     const Curve closed = polyline({{0, 0, 0}, {3, 0, 0}, {3, 4, 0}}, true);
     CHECK(closed.length == Approx(12.0));
     CHECK(distance(begun_at(closed, 3.0).at(10.0), closed.at(1.0)) < 1e-12);
-    REQUIRE_THROWS_WITH(begun_at(open, 1.0), Contains("end points"));
-    REQUIRE_THROWS_WITH(polyline({{1, 1, 1}, {1, 1, 1}}, false), Contains("two different corners"));
-    REQUIRE_THROWS_WITH(polyline({{1, 1, 1}, {1, NAN, 1}}, false), Contains("not finite"));
+    REQUIRE_REFUSED(begun_at(open, 1.0));
+    REQUIRE_REFUSED(polyline({{1, 1, 1}, {1, 1, 1}}, false));
+    REQUIRE_REFUSED(polyline({{1, 1, 1}, {1, NAN, 1}}, false));
 }
 
 TEST_CASE("curve: the tour of a few open curves is nearly as short as the best of all", "[draw]") {
@@ -176,8 +176,7 @@ TEST_CASE("draw: one focus a carrier period is the fastest", "[draw]") {
     REQUIRE(points == 359);
     REQUIRE(compiled.bundle.image.sequence.size() == points);
     for (const SequenceEntry& entry : compiled.bundle.image.sequence) REQUIRE(entry.dwell == 1);
-    REQUIRE_THROWS_WITH(compile(project_of({.kind = "circle", .diameter = 0.02}, {7.0, {}}, points + 1)),
-                        Contains("360 points") && Contains("at most 359 points"));
+    REQUIRE_REFUSED(compile(project_of({.kind = "circle", .diameter = 0.02}, {7.0, {}}, points + 1)));
 }
 
 TEST_CASE("draw: jumps take no time, or silence for as long as the way", "[draw]") {
@@ -216,7 +215,7 @@ TEST_CASE("draw: a surface is drawn along its tour", "[draw]") {
 TEST_CASE("draw: what is out of reach is passed over in silence, or refused", "[draw]") {
     Project project = project_of({.kind = "line", .length = 0.2}, {7.0, {}}, 100);
     project.placement.center = from_mm(120, 0, 60);
-    REQUIRE_THROWS_WITH(compile(project), Contains("out of reach"));
+    REQUIRE_REFUSED(compile(project));
     project.clip = true;
     const Compiled compiled = compile(project);
     REQUIRE(compiled.points.clipped > 0);
@@ -240,16 +239,15 @@ TEST_CASE("draw: rounding to whole periods never runs ahead or behind by more th
         whole += path.steps[i].periods;
         REQUIRE(std::abs(exact - whole) <= 0.5 + 1e-9);
     }
-    REQUIRE_THROWS_WITH(path_of({{{{{0, 0, 0.1}}}, 0.3}}), Contains("0.300 carrier periods"));
+    REQUIRE_REFUSED(path_of({{{{{0, 0, 0.1}}}, 0.3}}));
 }
 
 TEST_CASE("draw: what makes no sense is named", "[draw]") {
-    REQUIRE_THROWS_WITH(compile(project_of({.kind = "point"}, {7.0, {}})), Contains("does not move"));
-    REQUIRE_THROWS_WITH(compile(project_of({.kind = "circle"}, {7.0, 10.0})),
-                        Contains("either a speed or a frequency"));
-    REQUIRE_THROWS_WITH(compile(project_of({.kind = "circle"}, {-1.0, {}})), Contains("positive"));
-    REQUIRE_THROWS_WITH(compile(project_of({.kind = "plus"}, {1.0, {}}, 1)), Contains("1 points for 2 curves"));
-    REQUIRE_THROWS_WITH(compile(project_of({.kind = "circle"}, {1.0, {}}, 500)), Contains("holds 400"));
+    REQUIRE_REFUSED(compile(project_of({.kind = "point"}, {7.0, {}})));
+    REQUIRE_REFUSED(compile(project_of({.kind = "circle"}, {7.0, 10.0})));
+    REQUIRE_REFUSED(compile(project_of({.kind = "circle"}, {-1.0, {}})));
+    REQUIRE_REFUSED(compile(project_of({.kind = "plus"}, {1.0, {}}, 1)));
+    REQUIRE_REFUSED(compile(project_of({.kind = "circle"}, {1.0, {}}, 500)));
 }
 
 TEST_CASE("draw: project files have speed, frequency and jump", "[draw][project]") {
@@ -259,7 +257,6 @@ TEST_CASE("draw: project files have speed, frequency and jump", "[draw][project]
     REQUIRE(project.jump == Jump::blank);
     REQUIRE(to_toml(project_from_toml(to_toml(project), "p.toml")) == to_toml(project));
     REQUIRE(project_from_toml(head + "frequency_hz = 12.5\n" + shape, "p.toml").pace.frequency_hz == 12.5);
-    REQUIRE_THROWS_WITH(project_from_toml(head + "rate_hz = 10\nspeed_m_s = 7\n" + shape, "p.toml"),
-                        Contains("p.toml:3: rate_hz and speed_m_s both"));
-    REQUIRE_THROWS_WITH(project_from_toml(head + "jump = \"leap\"\n" + shape, "p.toml"), Contains("\"hop\" or"));
+    REQUIRE_REFUSED(project_from_toml(head + "rate_hz = 10\nspeed_m_s = 7\n" + shape, "p.toml"));
+    REQUIRE_REFUSED(project_from_toml(head + "jump = \"leap\"\n" + shape, "p.toml"));
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "../refusal.hpp"
 #include "haptogram/array/array.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -16,7 +17,6 @@
 #include "haptogram/format/pulses.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {
@@ -47,8 +47,7 @@ TEST_CASE("files: a failed write leaves what was there and nothing beside it", "
     const fs::path a = folder.path() / "a";
     const fs::path b = folder.path() / "b";
     write_file(a, "old");
-    REQUIRE_THROWS_WITH(write_files({{a, "new"}, {folder.path() / "no/such/folder", "x"}}),
-                        Contains("cannot be written"));
+    REQUIRE_REFUSED(write_files({{a, "new"}, {folder.path() / "no/such/folder", "x"}}));
     REQUIRE(read_file(a) == "old");
     // A full disk, as the kernel tells of it.
     const rlimit limited = {1000, RLIM_INFINITY};
@@ -56,14 +55,9 @@ TEST_CASE("files: a failed write leaves what was there and nothing beside it", "
     REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
     std::signal(SIGXFSZ, SIG_IGN);
     REQUIRE(::setrlimit(RLIMIT_FSIZE, &limited) == 0);
-    std::string message;
-    try {
-        write_files({{b, "small"}, {a, std::string(5000, 'x')}});
-    } catch (const Error& error) {
-        message = error.what();
-    }
+    const heard::Refusal refused = heard::refusal_of([&] { write_files({{b, "small"}, {a, std::string(5000, 'x')}}); });
     ::setrlimit(RLIMIT_FSIZE, &before);
-    REQUIRE_THAT(message, Contains("cannot be written"));
+    REQUIRE_REFUSAL(refused);
     REQUIRE(read_file(a) == "old");
     REQUIRE_FALSE(fs::exists(b));
     REQUIRE(folder.files() == 1);
@@ -80,9 +74,9 @@ TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") 
     REQUIRE(fs::is_symlink(link));
     REQUIRE(read_file(file) == "2");
     REQUIRE(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
-    REQUIRE_THROWS_WITH(read_file(folder.path() / "none"), Contains("none") && Contains("cannot be opened"));
-    REQUIRE_THROWS_WITH(read_file(folder.path()), Contains("cannot be read"));
-    REQUIRE_THROWS_WITH(write_file(folder.path(), "x"), Contains("cannot be written"));
+    REQUIRE_REFUSED(read_file(folder.path() / "none"));
+    REQUIRE_REFUSED(read_file(folder.path()));
+    REQUIRE_REFUSED(write_file(folder.path(), "x"));
 }
 
 TEST_CASE("array files: the shipped ones", "[array]") {
@@ -94,7 +88,7 @@ TEST_CASE("array files: the shipped ones", "[array]") {
     REQUIRE(tile.elements[10].position.y == Approx(-0.035));
     REQUIRE(tile.medium.speed_m_s == Approx(343.2).margin(0.05));
     REQUIRE(find_array("hoshi-18x18").elements.size() == 324);
-    REQUIRE_THROWS_WITH(find_array("nonesuch"), Contains("tile-10x10"));
+    REQUIRE_REFUSED(find_array("nonesuch"));
 }
 
 TEST_CASE("array files: speed of sound", "[array]") {
@@ -111,32 +105,20 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
     REQUIRE(array.elements.size() == 2);
     REQUIRE(array.elements[1] == Element{from_mm(1.5, -2, 0)});
     REQUIRE(array.nearest_m == Approx(10.0 * 81e-6 / (4.0 * array.wavelength_m())));
-    const auto [text, message] = GENERATE(table<std::string, std::string>({
-        {"", "must have rows, columns and pitch_mm"},
-        {"[array\n", ":1: not valid TOML"},
-        {"[array]\nrows = 2\n", "must have rows"},
-        {array_text("elements_mm = [[1,2]]\n"), "not both"},
-        {array_text("colour = 3\n"), ":5: unknown key array.colour; known are rows"},
-        {array_text("carrier_hz = \"fast\"\n"), ":5: array.carrier_hz must be a number"},
-        {array_text("carrier_hz = nan\n"), "array.carrier_hz must be a number"},
-        {array_text("duty = 0.7\n"), "array.duty must be a number from 0.001 to 0.5"},
-        {array_text("[medium]\nspeed_m_s = 340\ntemperature_c = 20\n"), "not both"},
-        {array_text("[board]\nchannels = 3\n"), "4 elements but the board has 3 channels"},
-        {array_text("[board]\nclock_hz = 50.5\n"), "board.clock_hz must be a whole number"},
-        {array_text("[boards]\n"), "unknown key boards"},
-        {"array = 3\n", "'array' must be a table"},
-        {"[array]\nelements_mm = [[0, 0], [1]]\n", ":2: elements_mm must be a list, in channel order, of [x, y]"},
-        {"[array]\nelements_mm = []\n", "elements_mm must be a list"},
-        {"[array]\nelements_mm = [[5, 5, 1], [0, 0],\n [1, 0], [5, 5],\n [1, 1], [0, 0, -0.0]]\n",
-         ":4: elements_mm: elements 1 and 5 are at the same place"},
-    }));
+    const std::string text = GENERATE(
+        as<std::string>{}, "", "[array\n", "[array]\nrows = 2\n", array_text("elements_mm = [[1,2]]\n"),
+        array_text("colour = 3\n"), array_text("carrier_hz = \"fast\"\n"), array_text("carrier_hz = nan\n"),
+        array_text("duty = 0.7\n"), array_text("[medium]\nspeed_m_s = 340\ntemperature_c = 20\n"),
+        array_text("[board]\nchannels = 3\n"), array_text("[board]\nclock_hz = 50.5\n"), array_text("[boards]\n"),
+        "array = 3\n", "[array]\nelements_mm = [[0, 0], [1]]\n", "[array]\nelements_mm = []\n",
+        "[array]\nelements_mm = [[5, 5, 1], [0, 0],\n [1, 0], [5, 5],\n [1, 1], [0, 0, -0.0]]\n");
     CAPTURE(text);
     write_file(file, text);
     const auto load = [&] {
         const Array read = load_array(file);
         require_channels(read, core_of_array(file.string()));
     };
-    REQUIRE_THROWS_WITH(load(), Contains("a.toml") && Contains(message));
+    REQUIRE_REFUSED(load());
 }
 
 TEST_CASE("array files: the largest grid is read at once", "[array]") {
@@ -154,10 +136,10 @@ TEST_CASE("array files: the largest grid is read at once", "[array]") {
 TEST_CASE("array: reach", "[array]") {
     const Array array = find_array("tile-10x10");
     REQUIRE(array.unreachable(from_mm(0, 0, 130)).empty());
-    REQUIRE_THAT(array.unreachable(from_mm(0, 0, 0)), Contains("on or behind"));
-    REQUIRE_THAT(array.unreachable(from_mm(0, 0, -10)), Contains("on or behind"));
-    REQUIRE_THAT(array.unreachable(from_mm(5, 5, 20)), Contains("nearer"));
-    REQUIRE_THAT(array.unreachable(from_mm(200, 0, 100)), Contains("off the axis"));
+    REQUIRE_SAID(array.unreachable(from_mm(0, 0, 0)));
+    REQUIRE_SAID(array.unreachable(from_mm(0, 0, -10)));
+    REQUIRE_SAID(array.unreachable(from_mm(5, 5, 20)));
+    REQUIRE_SAID(array.unreachable(from_mm(200, 0, 100)));
 }
 
 TEST_CASE("manifest: what is written is read back, what is missing is named", "[manifest]") {
@@ -180,12 +162,12 @@ TEST_CASE("manifest: what is written is read back, what is missing is named", "[
     REQUIRE(back.records[1].foci == m.records[1].foci);
     REQUIRE(back.records[1].amplitude == 0.25);
     REQUIRE(back.array.elements[5] == m.array.elements[5]);
-    REQUIRE_THROWS_WITH(manifest_from_json("{", "m.json"), Contains("m.json"));
-    REQUIRE_THROWS_WITH(manifest_from_json("[]", "m"), Contains("not a manifest"));
+    REQUIRE_REFUSED(manifest_from_json("{", "m.json"));
+    REQUIRE_REFUSED(manifest_from_json("[]", "m"));
     for (const char* key : {"format", "timer", "array", "records", "image_sha256", "board"}) {
         auto json = to_json(m);
         json.erase(key);
-        REQUIRE_THROWS_WITH(manifest_from_json(json.dump(), "m"), Contains(key));
+        REQUIRE_REFUSED(manifest_from_json(json.dump(), "m"));
     }
     auto json = to_json(m);
     json["records"][0]["focus_mm"] = {1, 2};
@@ -195,7 +177,7 @@ TEST_CASE("manifest: what is written is read back, what is missing is named", "[
     REQUIRE(manifest_from_json(json.dump(), "m").array.elements[3].weight == 0.25);
     for (const double weight : {0.0, -0.5, 1.001, 1e300}) {
         json["array"]["responses"][3][2] = weight;
-        REQUIRE_THROWS_WITH(manifest_from_json(json.dump(), "m"), Contains("weights above 0 and up to 1"));
+        REQUIRE_REFUSED(manifest_from_json(json.dump(), "m"));
     }
 }
 
@@ -207,7 +189,7 @@ TEST_CASE("pulse files: round trip, and damage named with its line", "[pulses]")
     const std::string header = "channel,rise_clk,fall_clk,index\n";
     for (const char* line :
          {"1,2,3\n", "1,2,3,4,5\n", "1,5,5,1\n", "a,1,2,3\n", "1,2,3,70000\n", "1, 2,3,4\n", "-1,2,3,4\n", "\n"})
-        REQUIRE_THROWS_WITH(pulses_from_csv(header + "0,1,2,1\n" + line, "p"), Contains("p:3"));
-    REQUIRE_THROWS_WITH(pulses_from_csv(header + "0,1,2,1", "p"), Contains("cut short"));
-    REQUIRE_THROWS_WITH(pulses_from_csv("x\n", "p"), Contains("p:1: expected the header"));
+        REQUIRE_REFUSED(pulses_from_csv(header + "0,1,2,1\n" + line, "p"));
+    REQUIRE_REFUSED(pulses_from_csv(header + "0,1,2,1", "p"));
+    REQUIRE_REFUSED(pulses_from_csv("x\n", "p"));
 }

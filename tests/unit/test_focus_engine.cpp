@@ -6,13 +6,13 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/focus_engine.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/focal_law.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -309,28 +309,25 @@ TEST_CASE("focus engine: words by hand", "[focus_engine]") {
 TEST_CASE("focus engine: bad input is named", "[focus_engine]") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double infinity = std::numeric_limits<double>::infinity();
-    CHECK_THROWS_WITH(pack_geometry(from_mm(0.0, 256.0, 0.0)),
-                      Contains("an element at y = 256 mm") && Contains("less than 256 mm"));
-    CHECK_THROWS_WITH(pack_geometry({nan, 0.0, 0.0}), Contains("an element at x = nan"));
-    CHECK_THROWS_WITH(pack_geometry({}, infinity), Contains("an offset of inf turns"));
-    CHECK_THROWS_WITH(pack_geometry({}, 0.0, 1.1), Contains("a weight of 1.1; expected 0 to 1"));
-    CHECK_THROWS_WITH(pack_focus({from_mm(0.0, 0.0, -1024.1), 1.0}),
-                      Contains("a focus at z = -1024.1 mm; expected -1024 mm or more"));
-    CHECK_THROWS_WITH(pack_focus({from_mm(1024.0, 0.0, 0.0), 1.0}), Contains("a focus at x = 1024 mm"));
-    CHECK_THROWS_WITH(pack_focus({{0.0, infinity, 0.0}, 1.0}), Contains("a focus at y = inf mm"));
-    CHECK_THROWS_WITH(pack_focus({{}, 1.01}), Contains("amplitude 1.01; expected 0 to 1"));
-    CHECK_THROWS_WITH(pack_focus({{}, nan}), Contains("amplitude nan"));
-    CHECK_THROWS_WITH(wave_number_word(0.004), Contains("a wavelength of 4 mm; expected more than 4 mm"));
+    CHECK_REFUSED(pack_geometry(from_mm(0.0, 256.0, 0.0)));
+    CHECK_REFUSED(pack_geometry({nan, 0.0, 0.0}));
+    CHECK_REFUSED(pack_geometry({}, infinity));
+    CHECK_REFUSED(pack_geometry({}, 0.0, 1.1));
+    CHECK_REFUSED(pack_focus({from_mm(0.0, 0.0, -1024.1), 1.0}));
+    CHECK_REFUSED(pack_focus({from_mm(1024.0, 0.0, 0.0), 1.0}));
+    CHECK_REFUSED(pack_focus({{0.0, infinity, 0.0}, 1.0}));
+    CHECK_REFUSED(pack_focus({{}, 1.01}));
+    CHECK_REFUSED(pack_focus({{}, nan}));
+    CHECK_REFUSED(wave_number_word(0.004));
     for (const double wavelength : {0.0, -0.01, nan, infinity}) CHECK_THROWS_AS(wave_number_word(wavelength), Error);
-    for (const double full : {0.0, 0.6, 8.1, nan}) CHECK_THROWS_WITH(gain_word(full), Contains("expected 0.61 to 8"));
+    for (const double full : {0.0, 0.6, 8.1, nan}) CHECK_REFUSED(gain_word(full));
 
     FocusEngine engine{{GeometryWords{}}, 1, 1};
     const FocusWords focus{};
-    CHECK_THROWS_WITH(engine_drives(engine, {}), Contains("0 foci in a record; expected 1 to 8"));
-    CHECK_THROWS_WITH(engine_drives(engine, std::vector<FocusWords>(9, focus)), Contains("9 foci"));
-    CHECK_THROWS_WITH(engine_drives(engine, std::vector<FocusWords>{focus, {0, 0, 0, 0x0040}}),
-                      Contains("focus 2: the last word is 0x0040"));
-    CHECK_THROWS_WITH(engine_drives({}, std::vector<FocusWords>{focus}), Contains("no channels"));
+    CHECK_REFUSED(engine_drives(engine, {}));
+    CHECK_REFUSED(engine_drives(engine, std::vector<FocusWords>(9, focus)));
+    CHECK_REFUSED(engine_drives(engine, std::vector<FocusWords>{focus, {0, 0, 0, 0x0040}}));
+    CHECK_REFUSED(engine_drives({}, std::vector<FocusWords>{focus}));
     engine.wave_number = 1U << 18U;
-    CHECK_THROWS_WITH(engine_drives(engine, std::vector<FocusWords>{focus}), Contains("a wave number of 262144"));
+    CHECK_REFUSED(engine_drives(engine, std::vector<FocusWords>{focus}));
 }

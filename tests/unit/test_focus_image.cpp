@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/intel_hex.hpp"
@@ -16,7 +17,6 @@
 #include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -171,59 +171,59 @@ TEST_CASE("focus image: boards of protocol 2.4 add a channel's phase, and know n
     image.foci->engine.geometry[7][3] = 0x4000;
     CHECK_NOTHROW(link::UploadSteps(image, board));
     image.foci->engine.geometry[7][3] = 0x4001;
-    CHECK_THROWS_WITH(link::UploadSteps(image, board), Contains("2.4") && Contains("no weights"));
+    CHECK_REFUSED(link::UploadSteps(image, board));
     board.version_minor = 5;
     CHECK_NOTHROW(link::UploadSteps(image, board));
 }
 
 TEST_CASE("focus image: a manifest of other foci, of another geometry or modulation is refused", "[foci]") {
     const Compiled compiled = compile(two_steps(), tile(), wide(), 1, "foci.hex");
-    const auto refused = [&](auto change, const std::string& message) {
+    const auto refused = [&](auto change) {
         Manifest manifest = compiled.bundle.manifest;
         change(manifest);
-        REQUIRE_THROWS_WITH(bundle_of(compiled.bundle.hex, manifest, "i", "m"), Contains(message));
+        REQUIRE_REFUSED(bundle_of(compiled.bundle.hex, manifest, "i", "m"));
     };
-    refused([](Manifest& m) { m.records[0].foci[0].position.x += 1e-4; }, "focus 1 of focus record 1");
-    refused([](Manifest& m) { m.records[1].amplitude = 0.9; }, "focus 1 of focus record 2");
-    refused([](Manifest& m) { m.array.elements[7].position.y += 1e-4; }, "element 7");
-    refused([](Manifest& m) { m.foci.reset(); }, "not of foci");
-    refused([](Manifest& m) { m.modulation = SampledModulation{1, {3}}; }, "modulation");
-    refused([](Manifest& m) { m.core.parameters.records = 399; }, "a board of 399 records");
-    refused([](Manifest& m) { m.records[1].foci.pop_back(); }, "focus 2 of focus record 2");
+    refused([](Manifest& m) { m.records[0].foci[0].position.x += 1e-4; });
+    refused([](Manifest& m) { m.records[1].amplitude = 0.9; });
+    refused([](Manifest& m) { m.array.elements[7].position.y += 1e-4; });
+    refused([](Manifest& m) { m.foci.reset(); });
+    refused([](Manifest& m) { m.modulation = SampledModulation{1, {3}}; });
+    refused([](Manifest& m) { m.core.parameters.records = 399; });
+    refused([](Manifest& m) { m.records[1].foci.pop_back(); });
 }
 
 TEST_CASE("focus image: what does not fit a board is named", "[foci]") {
     const Path path = two_steps();
-    const auto throws = [&](const Path& asked, const Array& array, const Core& core, const std::string& message) {
-        REQUIRE_THROWS_WITH(focus_image_of(asked, array, core, 0), Contains(message));
+    const auto throws = [&](const Path& asked, const Array& array, const Core& core) {
+        REQUIRE_REFUSED(focus_image_of(asked, array, core, 0));
     };
-    throws(path, tile(), find_configuration("tile-100"), "computes no foci");
-    throws(path, find_array("tile-7x8"), wide(), "56 elements");
-    throws({{{std::vector<Focus>(9, {from_mm(0, 0, 100)}), 1}}, {}}, tile(), wide(), "9 foci at a time");
-    throws({{{{{from_mm(0, 0, 1024)}}, 1}}, {}}, tile(), wide(), "step 1 of the path: a focus at z");
-    throws({{{{{from_mm(-1000, 0, 100)}}, 1}}, {}}, tile(), wide(), "1.024 m or more away");
-    throws({{{{{from_mm(0, 0, 100), 0.001}}, 1}}, {}}, tile(), wide(), "silent");
+    throws(path, tile(), find_configuration("tile-100"));
+    throws(path, find_array("tile-7x8"), wide());
+    throws({{{std::vector<Focus>(9, {from_mm(0, 0, 100)}), 1}}, {}}, tile(), wide());
+    throws({{{{{from_mm(0, 0, 1024)}}, 1}}, {}}, tile(), wide());
+    throws({{{{{from_mm(-1000, 0, 100)}}, 1}}, {}}, tile(), wide());
+    throws({{{{{from_mm(0, 0, 100), 0.001}}, 1}}, {}}, tile(), wide());
     Path modulated = path;
     modulated.modulation.samples.assign(4097, 1.0);
-    throws(modulated, tile(), wide(), "4097 samples");
+    throws(modulated, tile(), wide());
     Path many;
     for (int i = 0; i < 1024; ++i) many.steps.push_back({{{from_mm(0.01 * i, 0, 100)}}, 1});
-    throws(many, tile(), wide(), "more sequence entries than the board's 1023");
+    throws(many, tile(), wide());
 
     const Image image = focus_image_of(path, tile(), wide(), 0).image;
     REQUIRE_NOTHROW(require_fits(image, wide().parameters, "i"));
-    const auto unfit = [&](auto change, const std::string& message) {
+    const auto unfit = [&](auto change) {
         interface::CoreParameters core = wide().parameters;
         change(core);
-        REQUIRE_THROWS_WITH(require_fits(image, core, "i"), Contains(message));
+        REQUIRE_REFUSED(require_fits(image, core, "i"));
     };
-    unfit([](auto& p) { p.foci = 0; }, "computes no foci");
-    unfit([](auto& p) { p.records = 401; }, "behind index 400, those of the board behind 401");
-    unfit([](auto& p) { p.width_bits = 9; }, "a cycle of 1250 clocks, the board plays 288 to 1022");
-    unfit([](auto& p) { p.channels = 99; }, "100 channels");
+    unfit([](auto& p) { p.foci = 0; });
+    unfit([](auto& p) { p.records = 401; });
+    unfit([](auto& p) { p.width_bits = 9; });
+    unfit([](auto& p) { p.channels = 99; });
     Image with_samples = image;
     with_samples.modulation = SampledModulation{1, std::vector<std::uint8_t>(4097)};
-    REQUIRE_THROWS_WITH(require_fits(with_samples, wide().parameters, "i"), Contains("4097 samples"));
+    REQUIRE_REFUSED(require_fits(with_samples, wide().parameters, "i"));
 }
 
 TEST_CASE("focus image: many foci at a time take more than a period to compute, which is a warning", "[foci]") {
@@ -234,7 +234,7 @@ TEST_CASE("focus image: many foci at a time take more than a period to compute, 
     const std::vector<Focus> eight(8, {from_mm(0, 0, 150), 0.5});
     const FocusImage made = focus_image_of({{{eight, 4}}, {}}, array, slow, 0);
     REQUIRE(made.warnings.size() == 1);
-    REQUIRE_THAT(made.warnings[0], Contains("2122 clocks") && Contains("less than 2"));
+    REQUIRE_SAID(made.warnings[0]);
     REQUIRE(focus_image_of({{{{eight[0]}, 4}}, {}}, array, slow, 0).warnings.empty());
 }
 
@@ -254,10 +254,10 @@ TEST_CASE("focus image: a record of amplitudes is read, inspected and bounded", 
     REQUIRE(inspection.ranges[0].longest == 625);
     REQUIRE(inspection.ranges[0].lowest <= 1);
     image.records[0].prescaler = 2;
-    REQUIRE_THAT(problems(image).at(0), Contains("record 1: prescaler 2"));
+    REQUIRE_SAID(problems(image).at(0));
     image.records[0].prescaler = 1;
     image.records[0].cycle_length = 4096;
-    REQUIRE_THAT(problems(image).at(0), Contains("a cycle of 4096 ticks"));
+    REQUIRE_SAID(problems(image).at(0));
 }
 
 TEST_CASE("focus image: the host's kind follows the board, unless it is asked for", "[foci]") {
@@ -274,8 +274,8 @@ TEST_CASE("focus image: the host's kind follows the board, unless it is asked fo
     project.quantise = "hoshi";
     REQUIRE_FALSE(compile(project).bundle.image.foci);
     project.image = ImageKind::foci;
-    REQUIRE_THROWS_WITH(compile(project), Contains("segments are of records"));
+    REQUIRE_REFUSED(compile(project));
     project.quantise.clear();
     project.board = "tile-100";
-    REQUIRE_THROWS_WITH(compile(project), Contains("computes no foci"));
+    REQUIRE_REFUSED(compile(project));
 }

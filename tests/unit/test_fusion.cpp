@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/base/error.hpp"
@@ -12,11 +13,9 @@
 #include "haptogram/robot/place.hpp"
 #include "haptogram/robot/scenes.hpp"
 #include "haptogram/verbs/focus_analysis.hpp"
-#include "message_of.hpp"
 
 using namespace haptogram;
 using namespace haptogram::fusion;
-using Catch::Matchers::Contains;
 using robot::Vector3;
 using std::numbers::pi;
 
@@ -38,7 +37,7 @@ TEST_CASE("fusion: one clock counts whole carrier periods for both stages", "[fu
     const SharedClock clock = shared_clock(0.030, 40000.0);
     REQUIRE(clock.carrier_periods == 1200);
     REQUIRE(1.0 / clock.period_s() == Approx(33.3).margin(0.05));
-    REQUIRE_THAT(message_of([] { (void)shared_clock(0.03001, 40000.0); }), Contains("1200.4 periods"));
+    REQUIRE_REFUSED(shared_clock(0.03001, 40000.0));
     REQUIRE_THROWS_AS(shared_clock(0.0, 40000.0), Error);
 }
 
@@ -121,8 +120,7 @@ TEST_CASE("fusion: a surface carries, rubs and has a texture that gives back its
     REQUIRE(around == Approx(0.0).margin(1e-9));
     REQUIRE(half_cell == Approx(-0.3 * normal * 0.010 / pi));
     surface.cell_m = 0.0;
-    REQUIRE_THAT(message_of([&] { (void)surface_force(surface, Vector3::Zero(), Vector3::Zero()); }),
-                 Contains("cells"));
+    REQUIRE_REFUSED(surface_force(surface, Vector3::Zero(), Vector3::Zero()));
     // Weight and surface together hold a body at rest at depth weight/stiffness.
     const Hand hand = open_hand(from_mm(0, 0, 200), 0.0);
     const Stimulus stimulus =
@@ -150,10 +148,10 @@ TEST_CASE("fusion: patterns on the palm tell a value by each sign", "[fusion]") 
         REQUIRE(norm(way) == Approx(0.020));
         REQUIRE(dot(way, palm.direction) == Approx(0.020 * std::cos(value * pi / 2)).margin(1e-12));
     }
-    REQUIRE_THAT(message_of([&] { (void)tell(pattern, 1.01, palm, 7); }), Contains("0…1"));
-    REQUIRE_THAT(message_of([&] { (void)tell(pattern, 0.5, palm, 1); }), Contains("at least 2"));
+    REQUIRE_REFUSED(tell(pattern, 1.01, palm, 7));
+    REQUIRE_REFUSED(tell(pattern, 0.5, palm, 1));
     pattern.shape = PalmShape::ring;
-    REQUIRE_THAT(message_of([&] { (void)tell(pattern, 0.5, palm, 7); }), Contains("rotation is seen of a line only"));
+    REQUIRE_REFUSED(tell(pattern, 0.5, palm, 7));
     REQUIRE(palm_sign("scaling") == PalmSign::scaling);
     REQUIRE_THROWS_AS(palm_sign("colour"), Error);
 
@@ -211,11 +209,11 @@ TEST_CASE("fusion: the square wave goes on from frame to frame at any frequency"
         }
     REQUIRE(seen == std::vector<double>{0, 0.01, 0.02, 0, 0.01, 0.02});
     stimulus.points.resize(7, from_mm(0, 0, 250));
-    REQUIRE_THAT(message_of([&] { (void)fresh.play(stimulus); }), Contains("time for 6 points"));
+    REQUIRE_REFUSED(fresh.play(stimulus));
     // What the tables do not know is an error, and what the array cannot do at a place is silence that is counted.
     stimulus.points = {from_mm(0, 0, 250)};
     stimulus.magnitude = 0.5;
-    REQUIRE_THAT(message_of([&] { (void)fresh.play(stimulus); }), Contains("less than"));
+    REQUIRE_REFUSED(fresh.play(stimulus));
     stimulus.magnitude = 2.0;
     stimulus.points = {from_mm(0, 0, 250), from_mm(0, 900, 100)};
     const Frame half = fresh.play(stimulus);
@@ -313,10 +311,9 @@ TEST_CASE("fusion: a cube is placed by each of the three mappings", "[fusion][pl
     PlaceOptions wrong;
     wrong.geometry = robot::find_geometry();
     wrong.start_m = 0.2;
-    REQUIRE_THAT(message_of([&] { (void)place_cube(wrong, hoshi(), tables(), clock); }), Contains("start"));
+    REQUIRE_REFUSED(place_cube(wrong, hoshi(), tables(), clock));
     wrong.start_m = 0.3;
-    REQUIRE_THAT(message_of([&] { (void)place_cube(wrong, hoshi(), tables(), shared_clock(0.020, 40000.0)); }),
-                 Contains("period"));
+    REQUIRE_REFUSED(place_cube(wrong, hoshi(), tables(), shared_clock(0.020, 40000.0)));
     REQUIRE_THROWS_AS(mapping_of("G4"), Error);
 }
 
@@ -391,7 +388,7 @@ TEST_CASE("fusion: mode W1 as a run, a hand on a surface at rest, sliding, and a
     CHECK(felt > 100);
     ExploreScene stiff = scene;
     stiff.surface.stiffness_n_m = 4445.0;
-    REQUIRE_THAT(message_of([&] { (void)scene_of(stiff, clock); }), Contains("stiffness") && Contains("4444"));
+    REQUIRE_REFUSED(scene_of(stiff, clock));
 }
 
 TEST_CASE("fusion: more points than a frame has time for take turns", "[fusion][scene]") {
@@ -452,11 +449,11 @@ TEST_CASE("fusion: mode W2 as a run, a ring that grows with nearness, and hardne
     REQUIRE(palm_value("texture") == PalmValue::texture);
     REQUIRE_THROWS_AS(palm_value("colour"), Error);
     hard.stiffness_n_m = 1.0;
-    REQUIRE_THAT(message_of([&] { (void)scene_of(hard); }), Contains("stiffness"));
+    REQUIRE_REFUSED(scene_of(hard));
     told.pattern.shape = PalmShape::focus;
-    REQUIRE_THAT(message_of([&] { (void)scene_of(told); }), Contains("sign"));
+    REQUIRE_REFUSED(scene_of(told));
     told.weight_n = -1.0;
-    REQUIRE_THAT(message_of([&] { (void)scene_of(told); }), Contains("weight"));
+    REQUIRE_REFUSED(scene_of(told));
 }
 
 TEST_CASE("fusion: a way from place to place with one speed", "[fusion][scene]") {
@@ -467,6 +464,6 @@ TEST_CASE("fusion: a way from place to place with one speed", "[fusion][scene]")
     REQUIRE((there(1.5) - Vector3(0.015, 0, 0)).norm() < 1e-12);
     REQUIRE((there(5.0) - Vector3(0.03, 0.02, 0)).norm() < 1e-12);
     REQUIRE((there(100.0) - places[2]).norm() == 0.0);
-    REQUIRE_THAT(message_of([] { (void)along({}, 0.01); }), Contains("way"));
-    REQUIRE_THAT(message_of([&] { (void)along(places, 0.0); }), Contains("speed"));
+    REQUIRE_REFUSED(along({}, 0.01));
+    REQUIRE_REFUSED(along(places, 0.0));
 }

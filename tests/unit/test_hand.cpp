@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "../refusal.hpp"
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/recording.hpp"
@@ -14,7 +15,6 @@
 #include "haptogram/hand/surface.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -161,25 +161,25 @@ TEST_CASE("hand: small recordings in both formats, and their mistakes", "[hand]"
     REQUIRE(packed.frames.size() == 1);
     CHECK(packed.frames[0].hands.at(0).palm == one.palm);
     CHECK(packed.frames[0].hands.at(0).fingers[1]->joints == one.fingers[1]->joints);
-    const auto refuses = [](const std::string& text, const std::string& words) {
+    const auto refuses = [](const std::string& text) {
         CAPTURE(text);
-        REQUIRE_THROWS_WITH(recording_from_leap(text, "r.json"), Contains("r.json") && Contains(words));
+        REQUIRE_REFUSED(recording_from_leap(text, "r.json"));
     };
-    refuses("{}", "it has no frames");
-    refuses(R"({"frames": []})", "at least one frame");
-    refuses(recording(hand, R"({"id": 81, "handId": 8})"), "the id of one of the frame's hands");
-    refuses(recording(R"({"id": 7, "type": "both"})", ""), "frames[0].hands[0].type must be");
-    refuses(recording(R"({"id": 7, "type": "left"})", ""), "palmPosition");
-    refuses("N4Ig!", "damaged at byte 4");
-    refuses("", "not valid JSON");
-    refuses(R"({"frames": [-1e999]})", "a number is too large: '-1e999'");
+    refuses("{}");
+    refuses(R"({"frames": []})");
+    refuses(recording(hand, R"({"id": 81, "handId": 8})"));
+    refuses(recording(R"({"id": 7, "type": "both"})", ""));
+    refuses(recording(R"({"id": 7, "type": "left"})", ""));
+    refuses("N4Ig!");
+    refuses("");
+    refuses(R"({"frames": [-1e999]})");
 }
 
 TEST_CASE("hand: LZString texts of other programs are read", "[hand]") {
     // A vector that the ports of lz-string share; its last character has 16 bits.
     CHECK(from_lz_string("BYUwNmD2A0AECWsCGBbZtDUzkAA=", "x") == "hello, i am a 猫");
-    REQUIRE_THROWS_WITH(from_lz_string("BYUw", "x"), Contains("ends or is damaged"));
-    REQUIRE_THROWS_WITH(from_lz_string("////", "x"), Contains("not compressed"));
+    REQUIRE_REFUSED(from_lz_string("BYUw", "x"));
+    REQUIRE_REFUSED(from_lz_string("////", "x"));
 }
 
 TEST_CASE("solid: signed distances are those of the nearest point of a dense surface", "[hand]") {
@@ -246,9 +246,9 @@ TEST_CASE("solid: signed distances are those of the nearest point of a dense sur
             REQUIRE(reached);
         }
     }
-    REQUIRE_THROWS_WITH(solid_sphere({}, 0.0), Contains("radius"));
-    REQUIRE_THROWS_WITH(solid_box({}, {1, -1, 1}), Contains("edges"));
-    REQUIRE_THROWS_WITH(half_space({}, {}), Contains("normal"));
+    REQUIRE_REFUSED(solid_sphere({}, 0.0));
+    REQUIRE_REFUSED(solid_box({}, {1, -1, 1}));
+    REQUIRE_REFUSED(half_space({}, {}));
 }
 
 TEST_CASE("skin: six regions of cells of a millimetre, facing out of the palm", "[hand]") {
@@ -296,7 +296,7 @@ TEST_CASE("skin: six regions of cells of a millimetre, facing out of the palm", 
     CHECK(distance(wider[1].point(0, 0), wider[1].point(0, wider[1].columns - 1)) == Approx(0.02 * 9.5 / 8.5));
     SkinOptions wrong;
     wrong.cell_m = 0.0;
-    REQUIRE_THROWS_WITH(palmar_surface(hand, wrong), Contains("positive"));
+    REQUIRE_REFUSED(palmar_surface(hand, wrong));
 }
 
 TEST_CASE("hand: synthetic hands move as their velocity says, and keep their bones", "[hand]") {
@@ -324,5 +324,5 @@ TEST_CASE("hand: synthetic hands move as their velocity says, and keep their bon
     CHECK(farthest == Approx(expected).margin(3e-4));
     if (name == "grasp")  // the index finger's tip comes down
         CHECK(synthetic_hand(script, 1.0).fingers[1]->joints[3].z < begin.fingers[1]->joints[3].z - 0.03);
-    REQUIRE_THROWS_WITH(hand_script("clap"), Contains("clap"));
+    REQUIRE_REFUSED(hand_script("clap"));
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "../refusal.hpp"
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -14,7 +15,6 @@
 #include "haptogram/verbs/document.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -80,25 +80,25 @@ TEST_CASE("hand project: whatever is set survives the way to a file and back, an
 }
 
 TEST_CASE("hand project: bad ones are refused by the key") {
-    const std::pair<const char*, const char*> wrong[] = {
-        {"[hand]\nobject = \"cube\"\n", "hand.recording is missing"},
-        {"[hand]\nrecording = 5\n", "hand.recording"},
-        {"[hand]\nrecording = \"synthetic:press\"\nframes = 3\n", "unknown key hand.frames"},
-        {"[hand]\nrecording = \"synthetic:press\"\nframe = 0\n", "hand.frame"},
-        {"[hand]\nrecording = \"synthetic:press\"\nalgorithm = \"M\"\n", "\"K\" or \"L\", found 'M'"},
-        {"[hand]\nrecording = \"synthetic:press\"\nunit = \"inch\"\n", "hand.unit"},
-        {"[hand]\nrecording = \"synthetic:press\"\nsize_mm = -1\n", "hand.size_mm"},
-        {"points = 9\n[hand]\nrecording = \"synthetic:press\"\n", "add a frame"},
-        {"rate_hz = 9\n[hand]\nrecording = \"synthetic:press\"\n", "rate_hz is of shapes"},
-        {"path = \"p.json\"\n[hand]\nrecording = \"synthetic:press\"\n", "keep one"},
-        {"[hand]\nrecording = \"synthetic:press\"\n[[shape]]\nkind = \"circle\"\n", "shape is of shapes"},
-        {"hand = 3\n", "must be a table"},
+    const char* const wrong[] = {
+        "[hand]\nobject = \"cube\"\n",
+        "[hand]\nrecording = 5\n",
+        "[hand]\nrecording = \"synthetic:press\"\nframes = 3\n",
+        "[hand]\nrecording = \"synthetic:press\"\nframe = 0\n",
+        "[hand]\nrecording = \"synthetic:press\"\nalgorithm = \"M\"\n",
+        "[hand]\nrecording = \"synthetic:press\"\nunit = \"inch\"\n",
+        "[hand]\nrecording = \"synthetic:press\"\nsize_mm = -1\n",
+        "points = 9\n[hand]\nrecording = \"synthetic:press\"\n",
+        "rate_hz = 9\n[hand]\nrecording = \"synthetic:press\"\n",
+        "path = \"p.json\"\n[hand]\nrecording = \"synthetic:press\"\n",
+        "[hand]\nrecording = \"synthetic:press\"\n[[shape]]\nkind = \"circle\"\n",
+        "hand = 3\n",
     };
-    for (const auto& [text, words] : wrong) {
+    for (const char* text : wrong) {
         INFO(text);
-        CHECK_THROWS_WITH(read(text), Contains(words));
+        CHECK_REFUSED(read(text));
     }
-    CHECK_THROWS_WITH(render_options(read("[[shape]]\nkind = \"circle\"\n")), Contains("no [hand]"));
+    CHECK_REFUSED(render_options(read("[[shape]]\nkind = \"circle\"\n")));
 }
 
 TEST_CASE("hand project: the image is that of the path that is rendered, for every algorithm") {
@@ -165,23 +165,23 @@ TEST_CASE("hand project: a frame without lines says why, and one that is not the
     const ProjectInstrument instrument = instrument_of(project);
     const HandView nothing = hand_view(project, instrument);
     REQUIRE(nothing.nothing);
-    CHECK_THAT(nothing.nothing->message(), Contains("algorithm B has nothing to draw"));
+    CHECK_SAID(nothing.nothing->message());
     CHECK(nothing.foci.empty());
     CHECK_FALSE(nothing.skin.empty());
     project.hand->object.centre.z = 0.5;
-    CHECK_THAT(hand_view(project, instrument).nothing->message(), Contains("never touches") && Contains("mm"));
+    CHECK_SAID(hand_view(project, instrument).nothing->message());
     project.hand->frame = 301;
-    CHECK_THROWS_WITH(hand_view(project, instrument), Contains("found 301, expected 1 to 300"));
+    CHECK_REFUSED(hand_view(project, instrument));
     project.hand->frame.reset();
-    CHECK_THROWS_WITH(hand_view(project, instrument), Contains("expected 1 to 300"));
+    CHECK_REFUSED(hand_view(project, instrument));
     auto empty = std::make_shared<HandRecording>();
     empty->frames.resize(1);
     project.hand->frame = 1;
     project.hand->hands = empty;
-    CHECK_THAT(hand_view(project, instrument).nothing->message(), Contains("no hand in it"));
+    CHECK_SAID(hand_view(project, instrument).nothing->message());
     project.points = 0;  // settings that make no sense in any frame are no property of this one
     project.hand->hands.reset();
-    CHECK_THROWS_WITH(hand_view(project, instrument), Contains("expected at least 1"));
+    CHECK_REFUSED(hand_view(project, instrument));
 }
 
 TEST_CASE("hand project: the drawn surface of every built-in object lies on it, and looks outwards") {
@@ -216,7 +216,7 @@ TEST_CASE("hand project: files come from the reader that is given, and are known
         asked.push_back(file.string());
         throw bad_input(file.string(), "is not here");
     };
-    CHECK_THROWS_WITH(open_hand(project, reader), Contains("is not here"));
+    CHECK_REFUSED(open_hand(project, reader));
     CHECK(asked.size() == 1);
     const std::string box = test_data() + "/shapes/trimesh_binary.stl";
     ObjectSource named, given;

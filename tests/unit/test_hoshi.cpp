@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/drive.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
@@ -22,7 +23,6 @@
 #include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -189,8 +189,8 @@ TEST_CASE("segments: nine amplitudes, by the carrier in the pulses themselves", 
             REQUIRE(segment_pulse(drive, hoshi_segments) == pulse);
         }
     REQUIRE(segments_of("hoshi").count == 16);
-    REQUIRE_THROWS_WITH(segments_of("16"), Contains("hoshi"));
-    REQUIRE_THROWS_WITH(segment_pulse(1.01, hoshi_segments), Contains("0 to 1"));
+    REQUIRE_REFUSED(segments_of("16"));
+    REQUIRE_REFUSED(segment_pulse(1.01, hoshi_segments));
     REQUIRE_THROWS_AS(segment_pulse(std::nan(""), hoshi_segments), Error);
 }
 
@@ -311,13 +311,12 @@ TEST_CASE("position table: 324 positions in nine units of 36 channels", "[hoshi]
         REQUIRE(std::abs(array.elements[channel].position.x) < 30e-3);
         REQUIRE(std::abs(array.elements[channel].position.y) < 30e-3);
     }
-    REQUIRE_THROWS_WITH(position_table(array, std::vector<Vec3>{{0.5, 0, 0.1}}, hoshi_segments),
-                        Contains("position 1"));
-    REQUIRE_THROWS_WITH(square_units(find_array("tile-10x10")), Contains("6 × 6"));
+    REQUIRE_REFUSED(position_table(array, std::vector<Vec3>{{0.5, 0, 0.1}}, hoshi_segments));
+    REQUIRE_REFUSED(square_units(find_array("tile-10x10")));
     PositionTable silent = table;
     silent.pulses[5] = {};
-    REQUIRE_THROWS_WITH(packed(silent, units[0], hoshi_segments), Contains("silent"));
-    REQUIRE_THROWS_WITH(packed(table, units[0], Segments{"x", 8}), Contains("8 segments"));
+    REQUIRE_REFUSED(packed(silent, units[0], hoshi_segments));
+    REQUIRE_REFUSED(packed(table, units[0], Segments{"x", 8}));
 }
 
 TEST_CASE("hoshi: what sixteen phases take from foci, and what simulate allows", "[hoshi]") {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/interaction.hpp"
@@ -15,7 +16,6 @@
 #include "haptogram/hand/recording.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -187,22 +187,22 @@ TEST_CASE("movement: on the grid, the focus is where it would be, at most half a
 }
 
 TEST_CASE("movement: measures that make no sense are named", "[hoshi]") {
-    REQUIRE_THROWS_WITH(movement_of("square"), Contains("spiral"));
+    REQUIRE_REFUSED(movement_of("square"));
     MovementOptions options;
     options.size_m = 0.0;
-    REQUIRE_THROWS_WITH(movement_path(Movement::line, options, carrier_hz), Contains("size"));
+    REQUIRE_REFUSED(movement_path(Movement::line, options, carrier_hz));
     options = {};
     options.speed_m_s = std::nan("");
-    REQUIRE_THROWS_WITH(movement_path(Movement::line, options, carrier_hz), Contains("speed"));
+    REQUIRE_REFUSED(movement_path(Movement::line, options, carrier_hz));
     options = {};
     options.speed_m_s = 1000.0;
-    REQUIRE_THROWS_WITH(movement_path(Movement::line, options, carrier_hz), Contains("spacing of at least"));
+    REQUIRE_REFUSED(movement_path(Movement::line, options, carrier_hz));
     options = {};
     options.hop_s = 1e-6;
-    REQUIRE_THROWS_WITH(movement_path(Movement::random, options, carrier_hz), Contains("carrier period"));
+    REQUIRE_REFUSED(movement_path(Movement::random, options, carrier_hz));
     options = {};
     options.centre.x = INFINITY;
-    REQUIRE_THROWS_WITH(movement_path(Movement::circle, options, carrier_hz), Contains("center"));
+    REQUIRE_REFUSED(movement_path(Movement::circle, options, carrier_hz));
 }
 
 TEST_CASE("marker: two cameras find a point exactly without noise", "[hoshi]") {
@@ -225,7 +225,7 @@ TEST_CASE("marker: two cameras find a point exactly without noise", "[hoshi]") {
     REQUIRE(camera.seen({0.1, 0, 0})->u == Approx(512.0 + 102.4));
     REQUIRE_FALSE(camera.seen({0, 0, 1.5}));
     REQUIRE_FALSE(camera.seen({0.6, 0, 0}));
-    REQUIRE_THROWS_WITH(triangulated(camera, {512, 384}, camera, {512, 384}), Contains("parallel"));
+    REQUIRE_REFUSED(triangulated(camera, {512, 384}, camera, {512, 384}));
     REQUIRE_THROWS_AS(camera_towards({0, 0, 1}, {0, 0, 1}, 0.5), Error);
     REQUIRE_THROWS_AS(camera_towards({1, 0, 0}, {0, 0, 0}, 0.5), Error);
     REQUIRE_THROWS_AS(camera_towards({0, 0, 1}, {0, 0, 0}, 4.0), Error);
@@ -265,10 +265,10 @@ TEST_CASE("marker: half a pixel of noise leaves less than a millimetre", "[hoshi
                 1e-9);
     HandRecording none;
     none.frames = {{0.0, {}}, {0.01, {}}};
-    REQUIRE_THROWS_WITH(track_marker(none, tracker), Contains("2 times"));
-    REQUIRE_THROWS_WITH(track_marker(HandRecording{}, tracker), Contains("no frame"));
+    REQUIRE_REFUSED(track_marker(none, tracker));
+    REQUIRE_REFUSED(track_marker(HandRecording{}, tracker));
     tracker.rate_hz = 0.0;
-    REQUIRE_THROWS_WITH(track_marker(none, tracker), Contains("rate"));
+    REQUIRE_REFUSED(track_marker(none, tracker));
 }
 
 TEST_CASE("ball: bounces as a spring and gravity have it, and loses nothing", "[hoshi]") {
@@ -370,13 +370,11 @@ TEST_CASE("interaction: out of reach, lost hands and bad recordings are told", "
     const PlayedInteraction lost = interact(Content::creature, gap, options, carrier_hz);
     REQUIRE(lost.lost_s == Approx(0.5).margin(2e-3));
     REQUIRE(lost.felt_s == Approx(1.5).margin(2e-3));
-    REQUIRE_THROWS_WITH(interact(Content::ball, std::vector<MarkerSample>{{}}, options, carrier_hz), Contains("two"));
-    REQUIRE_THROWS_WITH(interact(Content::ball, std::vector<MarkerSample>{{}, {}}, options, carrier_hz),
-                        Contains("sample 2"));
-    REQUIRE_THROWS_WITH(
-        interact(Content::ball, std::vector<MarkerSample>{{0, {std::nan(""), 0, 0}}, {1, {}}}, options, carrier_hz),
-        Contains("sample 1"));
+    REQUIRE_REFUSED(interact(Content::ball, std::vector<MarkerSample>{{}}, options, carrier_hz));
+    REQUIRE_REFUSED(interact(Content::ball, std::vector<MarkerSample>{{}, {}}, options, carrier_hz));
+    REQUIRE_REFUSED(
+        interact(Content::ball, std::vector<MarkerSample>{{0, {std::nan(""), 0, 0}}, {1, {}}}, options, carrier_hz));
     options.rain_hz = 0.0;
-    REQUIRE_THROWS_WITH(interact(Content::rain, gap, options, carrier_hz), Contains("rain"));
-    REQUIRE_THROWS_WITH(content_of("snow"), Contains("creature"));
+    REQUIRE_REFUSED(interact(Content::rain, gap, options, carrier_hz));
+    REQUIRE_REFUSED(content_of("snow"));
 }

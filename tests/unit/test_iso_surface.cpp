@@ -8,11 +8,11 @@
 #include <random>
 #include <utility>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/iso_surface.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -134,13 +134,13 @@ TEST_CASE("surface: as STL, in millimetres, and what has none", "[surface]") {
     std::array<float, 12> numbers{};
     std::memcpy(numbers.data(), bytes.data() + 84, sizeof numbers);
     REQUIRE(numbers == std::array<float, 12>{0, 0, 1, 0, 0, 100, 1, 0, 100, 0, 2, 100});
-    REQUIRE_THAT(description_of(surface), Contains("1 triangles"));
+    REQUIRE_SAID(description_of(surface));
 
     Field field = volume_of([](Vec3 p) { return p.z; });
-    REQUIRE_THROWS_WITH(surface_below(field, 0.0), Contains("0 dB"));
+    REQUIRE_REFUSED(surface_below(field, 0.0));
     field.parts.push_back(field.parts.front());
-    REQUIRE_THROWS_WITH(iso_surface(field, 0.1), Contains("complex"));
+    REQUIRE_REFUSED(iso_surface(field, 0.1));
     field.parts.pop_back();
     field.region.grid.x.resize(1);
-    REQUIRE_THROWS_WITH(iso_surface(field, 0.1), Contains("volume"));
+    REQUIRE_REFUSED(iso_surface(field, 0.1));
 }

@@ -14,6 +14,7 @@
 #include <random>
 #include <thread>
 
+#include "../refusal.hpp"
 #include "every_target.hpp"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
@@ -23,7 +24,6 @@
 #include "haptogram/base/error.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -332,9 +332,9 @@ TEST_CASE("kernel: the drives are one an element", "[kernel]") {
     const Record drives(3, 1.0);
     const WeightedDrives entry{1.0, drives};
     const std::vector<Vec3> points(1, Vec3{0.0, 0.0, 0.1});
-    REQUIRE_THROWS_WITH(pressure_at(array, drives, points), Contains("3 drives for 4 elements"));
-    REQUIRE_THROWS_WITH(pressure_on(array, drives, {}), Contains("3 drives for 4 elements"));
-    REQUIRE_THROWS_WITH(mean_square_pressure(array, {&entry, 1}, {}), Contains("3 drives for 4 elements"));
+    REQUIRE_REFUSED(pressure_at(array, drives, points));
+    REQUIRE_REFUSED(pressure_on(array, drives, {}));
+    REQUIRE_REFUSED(mean_square_pressure(array, {&entry, 1}, {}));
 }
 
 TEST_CASE("kernel: near field, down to micrometres from an element", "[kernel]") {
@@ -389,7 +389,7 @@ TEST_CASE("kernel: a point on an element is refused", "[kernel]") {
             bad[at] = array.elements[55].position + Vec3{0.0, off, 0.0};
             for (const unsigned threads : {1U, 2U}) {
                 const FieldOptions options{.threads = threads};
-                REQUIRE_THROWS_WITH(pressure_at(array, drives, bad, options), Contains("coincides with an element"));
+                REQUIRE_REFUSED(pressure_at(array, drives, bad, options));
             }
         }
     }
@@ -401,8 +401,8 @@ TEST_CASE("kernel: a point on an element is refused", "[kernel]") {
         const Grid grid{axis(array.elements[0].position.x, step, 30),
                         axis(array.elements[0].position.y, step, 30),
                         {-0.1, 0.0, 0.1}};
-        REQUIRE_THROWS_WITH(pressure_on(array, drives, grid), Contains("coincides with an element"));
-        REQUIRE_THROWS_WITH(mean_square_pressure(array, {&entry, 1}, grid), Contains("coincides with an element"));
+        REQUIRE_REFUSED(pressure_on(array, drives, grid));
+        REQUIRE_REFUSED(mean_square_pressure(array, {&entry, 1}, grid));
     }
     try {
         (void)pressure_at(array, drives, std::vector<Vec3>{array.elements[7].position});
@@ -564,7 +564,7 @@ TEST_CASE("kernel: the mean square at points in any order and plane", "[kernel]"
         REQUIRE(mean_square_pressure_at(array, sequence, {}).empty());
         REQUIRE(mean_square_pressure_at(array, {}, points) == std::vector<float>(points.size(), 0.0F));
         points[17] = array.elements[2].position;
-        REQUIRE_THROWS_WITH(mean_square_pressure_at(array, sequence, points), Contains("coincides with an element"));
+        REQUIRE_REFUSED(mean_square_pressure_at(array, sequence, points));
     }
 }
 

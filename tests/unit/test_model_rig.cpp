@@ -3,16 +3,15 @@
 #include <cmath>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "message_of.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -73,11 +72,11 @@ TEST_CASE("rig: the gradient of a tilted rig is the slope of its pressure", "[ri
 TEST_CASE("rig: what cannot be reached, and arrays that do not go together", "[rig]") {
     Rig rig = two_tiles(0.0);
     const Array whole = joined(rig);
-    REQUIRE_THAT(whole.unreachable(from_mm(0, 0, -50)), Contains("unit 1: on or behind") && Contains("unit 2: on or"));
-    REQUIRE_THAT(whole.unreachable(rig.arrays[1].pose.outwards(from_mm(5, 5, 15))), Contains("nearer"));
+    REQUIRE_SAID(whole.unreachable(from_mm(0, 0, -50)));
+    REQUIRE_SAID(whole.unreachable(rig.arrays[1].pose.outwards(from_mm(5, 5, 15))));
     rig.arrays[1].array.carrier_hz = 25e3;
-    REQUIRE_THROWS_WITH(joined(rig), Contains("same carrier"));
-    REQUIRE_THROWS_WITH(joined(Rig{"none", {}}), Contains("no arrays"));
+    REQUIRE_REFUSED(joined(rig));
+    REQUIRE_REFUSED(joined(Rig{"none", {}}));
 }
 
 TEST_CASE("rig: what one unit cannot reach another one may", "[rig]") {
@@ -86,13 +85,12 @@ TEST_CASE("rig: what one unit cannot reach another one may", "[rig]") {
     // 35 mm before the left unit's plane, but far off its middle: the right one reaches it.
     const Vec3 far_left = from_mm(-115, -60, 80);
     REQUIRE(cube.unreachable(far_left).empty());
-    REQUIRE_THAT(cube.unreachable(from_mm(0, 300, 150)),
-                 Contains("unit 1") && Contains("unit 2") && Contains("unit 3") && Contains("unit 4"));
+    REQUIRE_SAID(cube.unreachable(from_mm(0, 300, 150)));
     // The same seen from another place.
     const Pose pose = pose_of(from_mm(30, -20, 50), {20, -40, 70});
     const Array moved = seen_from(cube, pose);
     REQUIRE(moved.unreachable(pose.inwards(far_left)).empty());
-    REQUIRE_THAT(moved.unreachable(pose.inwards(from_mm(0, 300, 150))), Contains("off the axis"));
+    REQUIRE_SAID(moved.unreachable(pose.inwards(from_mm(0, 300, 150))));
 }
 
 TEST_CASE("rig: the cube's four units face its centre and make a focus there within 0.2 mm", "[rig]") {
@@ -124,30 +122,29 @@ TEST_CASE("rig: the cube's four units face its centre and make a focus there wit
 
 TEST_CASE("rig: errors in a file name the line, what was found and what was expected", "[rig]") {
     const TemporaryFolder folder;
-    const auto refused = [&](const std::string& text, const std::string& expected) {
+    const auto refused = [&](const std::string& text) {
         const auto path = folder.path() / "bad.toml";
         write_file(path, text);
-        REQUIRE_THAT(message_of([&] { (void)load_rig(path); }), Contains("bad.toml") && Contains(expected));
+        REQUIRE_REFUSED(load_rig(path));
     };
     const std::string head = "format = \"haptogram-rig-1\"\n";
     const std::string unit = "[[unit]]\narray = \"tile-10x10\"\norigin_mm = [0, 0, 0]\n";
-    refused("name = \"x\"\n", "format is missing");
-    refused("format = \"haptogram-rig-2\"\n" + unit, "found 'haptogram-rig-2'");
-    refused(head, "at least one unit");
-    refused(head + "unit = 3\n", "at least one unit");
-    refused(head + unit + "angle = 3\n", "unknown key angle");
-    refused(head + "[[unit]]\norigin_mm = [0, 0, 0]\n", "array is missing");
-    refused(head + "[[unit]]\narray = \"tile-10x10\"\n", "origin_mm is missing");
-    refused(head + "[[unit]]\narray = \"tile-9\"\norigin_mm = [0, 0, 0]\n", "tile-9");
-    refused(head + "[[unit]]\narray = \"tile-10x10\"\norigin_mm = [0, 0]\n", "a list of 3 numbers, found a list of 2");
-    refused(head + unit + unit, "stands in unit 1");
-    refused(head + unit + "[[unit]]\narray = \"hoshi-18x18\"\norigin_mm = [300, 0, 0]\n",
-            "hoshi-18x18 differs from tile-10x10");
+    refused("name = \"x\"\n");
+    refused("format = \"haptogram-rig-2\"\n" + unit);
+    refused(head);
+    refused(head + "unit = 3\n");
+    refused(head + unit + "angle = 3\n");
+    refused(head + "[[unit]]\norigin_mm = [0, 0, 0]\n");
+    refused(head + "[[unit]]\narray = \"tile-10x10\"\n");
+    refused(head + "[[unit]]\narray = \"tile-9\"\norigin_mm = [0, 0, 0]\n");
+    refused(head + "[[unit]]\narray = \"tile-10x10\"\norigin_mm = [0, 0]\n");
+    refused(head + unit + unit);
+    refused(head + unit + "[[unit]]\narray = \"hoshi-18x18\"\norigin_mm = [300, 0, 0]\n");
     write_file(folder.path() / "mine.toml", read_file("shipped:arrays/tile-10x10.toml"));
     write_file(folder.path() / "rig.toml",
                head + "[[unit]]\narray = \"mine.toml\"\norigin_mm = [1, 2, 3]\nturn_deg = [0, 180, 0]\n");
     const Rig rig = load_rig(folder.path() / "rig.toml");
     REQUIRE(rig.name == "rig");
     REQUIRE(rig.arrays[0].pose == pose_of(from_mm(1, 2, 3), {0, 180, 0}));
-    REQUIRE_THAT(message_of([] { (void)find_rig("cube-301"); }), Contains("cube-300"));
+    REQUIRE_REFUSED(find_rig("cube-301"));
 }

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "../refusal.hpp"
 #include "../test_data.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/verbs/settings.hpp"
@@ -192,17 +193,13 @@ TEST_CASE("settings: millimetres of a file are metres inside, and degrees stay",
 }
 
 TEST_CASE("settings: what has no effect on a hand's object is refused by its line", "[settings]") {
-    for (const auto& [object, line, needle] :
-         {std::tuple("sphere", "height_mm = 5", "height_mm is of a cone, a pyramid and a cylinder, and this is sphere"),
-          std::tuple("sphere", "unit = \"m\"", "unit is of a mesh file"),
-          std::tuple("a.ply", "height_mm = 5", "this is a mesh file"),
-          std::tuple("sphere", "frames_hz = 3", "frames_hz is of a .pose file, and this is synthetic:press"),
-          std::tuple("sphere", "center_mm = [0, 0, 2e6]", "from -1000000 to 1000000")}) {
+    for (const auto& [object, line] : {std::pair("sphere", "height_mm = 5"), std::pair("sphere", "unit = \"m\""),
+                                       std::pair("a.ply", "height_mm = 5"), std::pair("sphere", "frames_hz = 3"),
+                                       std::pair("sphere", "center_mm = [0, 0, 2e6]")}) {
         const std::string text = fmt::format(
             "format = \"haptogram-project-1\"\n[hand]\nrecording = \"synthetic:press\"\nobject = \"{}\"\n{}\n", object,
             line);
-        CHECK_THROWS_WITH(project_from_toml(text, "p.toml"),
-                          Catch::Matchers::Contains("p.toml:5") && Catch::Matchers::Contains(needle));
+        CHECK_REFUSED(project_from_toml(text, "p.toml"));
     }
 }
 

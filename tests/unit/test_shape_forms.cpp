@@ -5,13 +5,13 @@
 #include <filesystem>
 #include <set>
 
+#include "../refusal.hpp"
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/import.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -34,7 +34,7 @@ Error refusal(const std::string& content, ShapeFormat format) {
         (void)load_shape(content, format, "a shape", 1.0);
     } catch (const Error& error) {
         CHECK(error.code() == ErrorCode::bad_input);
-        CHECK_THAT(error.what(), Catch::StartsWith("a shape"));
+        CHECK_REFUSAL(heard::Refusal(error));
         return error;
     }
     FAIL("no error for " << content);
@@ -111,8 +111,7 @@ TEST_CASE("coordinates of PLY may have any scalar type", "[shape][forms]") {
     for (int i = 0; i < 6; ++i) body += bytes;
     CHECK(std::get<Cloud>(read(header(lines, "binary_big_endian") + body, ShapeFormat::ply)).points == cloud.points);
     CHECK(std::get<Cloud>(read(header(lines) + "5 5 5\n5 5 5\n", ShapeFormat::ply)).points == cloud.points);
-    CHECK_THAT(refusal(header(lines, "binary_big_endian") + body.substr(1), ShapeFormat::ply).what(),
-               Contains("vertex 2 of 2") && Contains("cut short"));
+    CHECK_REFUSAL(heard::Refusal(refusal(header(lines, "binary_big_endian") + body.substr(1), ShapeFormat::ply)));
 }
 
 TEST_CASE("PLY keeps double precision", "[shape][forms]") {
@@ -139,17 +138,17 @@ TEST_CASE("numbers of a text PLY may share lines and fill several", "[shape][for
 }
 
 TEST_CASE("a number that is lost or added does not shift the others", "[shape][forms]") {
-    const auto [body, place] = GENERATE(table<std::string, std::string>(
-        {{"1 2 3\n4 5\n6 7 8 9.5\n", "vertex 2 of 3 (line 9)"},      // this makes up for the number that is absent
-         {"1 2 3\n4 5 6 7\n8 9.5\n", "vertex 2 of 3 (line 9)"},      // and this for the one that is too many
-         {"1 2 3 4\n5 6\n7 8 9.5\n", "vertex 1 of 3 (line 8)"},      // a line break inside the second of two
-         {"1\n2\n3 4\n5 6\n7 8 9.5\n", "vertex 1 of 3 (line 8)"},    // an element of several lines ends in a line
-         {"1 2 3\n4 5 red\n7 8 9.5\n", "vertex 2 of 3 (line 9)"},    //
-         {"1 2 3\n4 5 6 red\n7 8 9.5\n", "vertex 2 of 3 (line 9)"},  //
-         {"1 2 3 4 5 6 7 8\n", "vertex 2 of 3 (line 8)"},            //
-         {"1\n2\n3\n4\n5\n6\n7\n8\n", "vertex 3 of 3 (line 14)"}}));
+    const std::string body =
+        GENERATE(as<std::string>{}, "1 2 3\n4 5\n6 7 8 9.5\n",  // this makes up for the number that is absent
+                 "1 2 3\n4 5 6 7\n8 9.5\n",                     // and this for the one that is too many
+                 "1 2 3 4\n5 6\n7 8 9.5\n",                     // a line break inside the second of two
+                 "1\n2\n3 4\n5 6\n7 8 9.5\n",                   // an element of several lines ends in a line
+                 "1 2 3\n4 5 red\n7 8 9.5\n",                   //
+                 "1 2 3\n4 5 6 red\n7 8 9.5\n",                 //
+                 "1 2 3 4 5 6 7 8\n",                           //
+                 "1\n2\n3\n4\n5\n6\n7\n8\n");
     CAPTURE(body);
-    CHECK_THAT(refusal(header(three_vertices) + body, ShapeFormat::ply).what(), Contains(place));
+    CHECK_REFUSAL(heard::Refusal(refusal(header(three_vertices) + body, ShapeFormat::ply)));
 }
 
 TEST_CASE("a PLY header may hold comments anywhere, and end its lines in three ways", "[shape][forms]") {
@@ -167,10 +166,8 @@ TEST_CASE("a PLY header may hold comments anywhere, and end its lines in three w
     const Piece cloud =
         read(all_replaced(header(three_vertices) + "1 2 3\n4 5 6\n7 8 9.5\n", "\n", line_end), ShapeFormat::ply);
     CHECK(std::get<Cloud>(cloud).points == corners);
-    CHECK_THAT(
-        refusal(all_replaced(header(three_vertices) + "1 2 3\n4 x 6\n7 8 9.5\n", "\n", line_end), ShapeFormat::ply)
-            .what(),
-        Contains("line 9"));
+    CHECK_REFUSAL(heard::Refusal(
+        refusal(all_replaced(header(three_vertices) + "1 2 3\n4 x 6\n7 8 9.5\n", "\n", line_end), ShapeFormat::ply)));
 }
 
 TEST_CASE("strips are wound alike, and joins in them are no surface", "[shape][forms]") {
@@ -184,33 +181,24 @@ TEST_CASE("strips are wound alike, and joins in them are no surface", "[shape][f
     CHECK(area(grid) == 2.0);
     for (const auto& [a, b, c] : grid.triangles)
         CHECK(cross(grid.vertices[b] - grid.vertices[a], grid.vertices[c] - grid.vertices[a]) == Vec3{0, 0, 1});
-    const auto [strip, message] = GENERATE(table<std::string, std::string>({{"5 0 1 2 -1 3", "strip of 1 corners"},
-                                                                            {"5 0 1 -1 2 3", "strip of 2 corners"},
-                                                                            {"4 0 1 2 6", "corner 6"},
-                                                                            {"4 0 1 2 -2", "corner -2"},
-                                                                            {"4 0 1 2 1.5", "corner 1.5"},
-                                                                            {"-1", "list of -1 values"},
-                                                                            {"4 0 1 2", "cut short"}}));
-    CHECK_THAT(refusal(header(lines) + body + strip, ShapeFormat::ply).what(),
-               Contains("tristrips 1 of 1") && Contains(message));
+    const std::string strip = GENERATE(as<std::string>{}, "5 0 1 2 -1 3", "5 0 1 -1 2 3", "4 0 1 2 6", "4 0 1 2 -2",
+                                       "4 0 1 2 1.5", "-1", "4 0 1 2");
+    CHECK_REFUSAL(heard::Refusal(refusal(header(lines) + body + strip, ShapeFormat::ply)));
 }
 
 TEST_CASE("a PLY header that does not say what is what is refused", "[shape][forms]") {
-    const auto [lines, message] = GENERATE(table<std::string, std::string>({
-        {three_vertices + "property float x\n", "property x"},
-        {"element vertex 3\nproperty list uchar float x\nproperty float y\nproperty float z\n", "property x"},
-        {three_vertices + "element face 1\nproperty list uchar int corners\n", "vertex_indices"},
-        {three_vertices + "element face 1\nproperty int vertex_indices\n", "vertex_indices"},
-        {three_vertices + one_face + "property list uchar int vertex_index\n", "vertex_indices"},
-        {three_vertices + "element tristrips 1\nproperty int length\n", "vertex_indices"},
-        {three_vertices + three_vertices, "\"vertex\" twice"},
-        {three_vertices + "property int64 time\n", "line 7"},
-        {three_vertices + "property list uchar list int w\n", "line 7"},
-        {"property float x\n" + three_vertices, "line 3"},
-    }));
+    const std::string lines =
+        GENERATE(as<std::string>{}, three_vertices + "property float x\n",
+                 "element vertex 3\nproperty list uchar float x\nproperty float y\nproperty float z\n",
+                 three_vertices + "element face 1\nproperty list uchar int corners\n",
+                 three_vertices + "element face 1\nproperty int vertex_indices\n",
+                 three_vertices + one_face + "property list uchar int vertex_index\n",
+                 three_vertices + "element tristrips 1\nproperty int length\n", three_vertices + three_vertices,
+                 three_vertices + "property int64 time\n", three_vertices + "property list uchar list int w\n",
+                 "property float x\n" + three_vertices);
     CAPTURE(lines);
-    CHECK_THAT(refusal(header(lines) + "1 2 3\n4 5 6\n7 8 9\n3 0 1 2\n", ShapeFormat::ply).what(), Contains(message));
-    CHECK_THAT(refusal(header(one_face) + "3 0 1 2\n", ShapeFormat::ply).what(), Contains("0 vertices"));
+    CHECK_REFUSAL(heard::Refusal(refusal(header(lines) + "1 2 3\n4 5 6\n7 8 9\n3 0 1 2\n", ShapeFormat::ply)));
+    CHECK_REFUSAL(heard::Refusal(refusal(header(one_face) + "3 0 1 2\n", ShapeFormat::ply)));
 }
 
 TEST_CASE("statements of OBJ may go on in the next line", "[shape][forms]") {
@@ -226,17 +214,10 @@ TEST_CASE("statements of OBJ may go on in the next line", "[shape][forms]") {
 
 TEST_CASE("a line of OBJ that goes on wrongly is refused by its number", "[shape][forms]") {
     const std::string square = "v 0 0 0\nv 2 0 0\nv 2 2 0\n";
-    const auto [text, message] = GENERATE(table<std::string, std::string>({
-        {"f 1 2 \\", "end of the file"},
-        {"f 1 2 \\\n", "end of the file"},
-        {"f 1 2 \\\n\n", "line 4"},
-        {"f 1 \\\n2 9\n", "line 4"},
-        {"mtllib C:\\\nv 1 1 1\nf 1 2 3\n", "line 5"},
-        {"f 1 2 3\\\nf 1 2 3\n", "line 5"},
-        {"f 1 2 \\ 3\n", "line 4"},
-    }));
+    const std::string text = GENERATE(as<std::string>{}, "f 1 2 \\", "f 1 2 \\\n", "f 1 2 \\\n\n", "f 1 \\\n2 9\n",
+                                      "mtllib C:\\\nv 1 1 1\nf 1 2 3\n", "f 1 2 3\\\nf 1 2 3\n", "f 1 2 \\ 3\n");
     CAPTURE(text);
-    CHECK_THAT(refusal(square + text, ShapeFormat::obj).what(), Contains(message));
+    CHECK_REFUSAL(heard::Refusal(refusal(square + text, ShapeFormat::obj)));
 }
 
 TEST_CASE("polygons with holes, straight corners and many corners are cut rightly", "[shape][forms]") {
@@ -267,7 +248,7 @@ TEST_CASE("a polygon that crosses itself is cut as it is, and told by its number
         {"v 0 10 0\nv 6 -8 0\nv -9 3 0\nv 9 3 0\nv -6 -8 0\nf 5 6 7 8 9\n", 5},  // a star
     }));
     const Mesh mesh = read_mesh(square + crossing, ShapeFormat::obj);
-    CHECK_THAT(mesh.flaw, Contains("1 of its 2 faces") && Contains("face 2 first"));
+    CHECK_SAID(mesh.flaw);
     CHECK(mesh.triangles.size() == 2 + corners - 2);
     CHECK(read_mesh(square, ShapeFormat::obj).flaw.empty());
 }
@@ -278,8 +259,8 @@ TEST_CASE("a content without a name tells its format", "[shape][forms]") {
         CAPTURE(name);
         CHECK(shape_format(read_file(data / name), "-") == shape_format(name));
     }
-    CHECK_THROWS_WITH(shape_format("a shopping list", "-"), Contains("-: found nothing"));
-    CHECK_THAT(refusal("\n<!DOCTYPE html>\n", ShapeFormat::stl).what(), Contains("web page"));
+    CHECK_REFUSED(shape_format("a shopping list", "-"));
+    CHECK_REFUSAL(heard::Refusal(refusal("\n<!DOCTYPE html>\n", ShapeFormat::stl)));
 }
 
 TEST_CASE("a shape with y upwards is stood up", "[shape][forms]") {

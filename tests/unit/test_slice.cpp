@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "../refusal.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/compile.hpp"
@@ -11,7 +12,6 @@
 #include "haptogram/verbs/focus_check.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -92,8 +92,8 @@ TEST_CASE("slice: at places anywhere, the same as on a plane through them") {
     REQUIRE(found.size() == plane.size());
     const float peak = *std::max_element(plane.begin(), plane.end());
     for (std::size_t i = 0; i < found.size(); ++i) CHECK(std::abs(found[i] - plane[i]) <= 1e-6F * peak);
-    CHECK_THROWS_WITH(mean_square_at(excitation, {}), Catch::Contains("found 0, expected 1 to 20000"));
-    CHECK_THROWS_WITH(mean_square_at(excitation, std::vector<Vec3>(20'001, points[0])), Catch::Contains("found 20001"));
+    CHECK_REFUSED(mean_square_at(excitation, {}));
+    CHECK_REFUSED(mean_square_at(excitation, std::vector<Vec3>(20'001, points[0])));
 }
 
 TEST_CASE("slice: what a focus could have at each point is what one has that is made there") {
@@ -125,7 +125,7 @@ TEST_CASE("slice: what a focus could have at each point is what one has that is 
     for (const float square : reachable_on(array, over)) CHECK(square > 0.0F);
     Slice bad = over;
     bad.width = 1;
-    CHECK_THROWS_WITH(reachable_on(array, bad), Contains("take 2 to 2048"));
+    CHECK_REFUSED(reachable_on(array, bad));
 }
 
 TEST_CASE("slice: any number of threads gives the same bytes") {
@@ -142,20 +142,20 @@ TEST_CASE("slice: sizes and places that make no sense are refused") {
     for (const std::uint32_t size : {0U, 1U, 2049U, 4294967295U}) {
         Slice slice = good;
         slice.width = size;
-        CHECK_THROWS_WITH(mean_square_on(excitation, slice), Contains("take 2 to 2048"));
+        CHECK_REFUSED(mean_square_on(excitation, slice));
         slice = good;
         slice.height = size;
-        CHECK_THROWS_WITH(mean_square_on(excitation, slice), Contains("take 2 to 2048"));
+        CHECK_REFUSED(mean_square_on(excitation, slice));
     }
     Slice slice = good;
     slice.u.y = std::nan("");
-    CHECK_THROWS_WITH(mean_square_on(excitation, slice), Contains("finite"));
+    CHECK_REFUSED(mean_square_on(excitation, slice));
     slice = good;
     slice.width = slice.height = 2048;
     Excitation many = excitation;
     many.drives.assign(100, excitation.drives.front());
     many.weights.assign(100, 1.0);
-    CHECK_THROWS_WITH(mean_square_on(many, slice), Contains("too many"));
+    CHECK_REFUSED(mean_square_on(many, slice));
     CHECK_THROWS_AS(mean_square_on(excitation, good, 1, [](double, std::string_view) { return false; }), Error);
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "../refusal.hpp"
 #include "every_target.hpp"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
@@ -22,7 +23,6 @@
 #include "haptogram/verbs/solve.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -159,15 +159,15 @@ TEST_CASE("solver: a lone focus at any round place has all that every shipped ar
 TEST_CASE("solver: silence where pressure was asked for is an error, and no number", "[solver]") {
     const Array array = find_array("tile-10x10");
     const Focus focus{{0.0, 0.0, 0.15}};
-    REQUIRE_THROWS_WITH(quality_of(array, {&focus, 1}, DriveList(100)), Contains("no pressure"));
+    REQUIRE_REFUSED(quality_of(array, {&focus, 1}, DriveList(100)));
     Array behind = array;
     behind.transducer.pattern = Pattern::table;
     behind.transducer.table = {1.0, 0.5};
     const std::vector<Vec3> below{{0.0, 0.0, -0.1}};
     for (const MethodName& one : method_names)
         if (one.method != Method::inverse_transform)
-            REQUIRE_THROWS_WITH(solve(behind, std::vector<Focus>{{below.front()}}, by(one.method)), Contains("behind"));
-    REQUIRE_THROWS_WITH(CrossTalk(behind, below), Contains("behind"));
+            REQUIRE_REFUSED(solve(behind, std::vector<Focus>{{below.front()}}, by(one.method)));
+    REQUIRE_REFUSED(CrossTalk(behind, below));
 }
 
 TEST_CASE("solver: ten random foci come out equal by the default, and better than by the others", "[solver]") {
@@ -258,9 +258,7 @@ TEST_CASE("solver: at a focus of amplitude 0 the pressure is held down", "[solve
     REQUIRE(quality.null_share.value() < 1e-4);
     REQUIRE(quality.efficiency > 0.1);
     for (const MethodName& one : method_names)
-        if (one.method != Method::gauss_newton)
-            REQUIRE_THROWS_WITH(solve(array, near, by(one.method)),
-                                Contains(one.name) && Contains("gauss-newton") && Contains("amplitude 0"));
+        if (one.method != Method::gauss_newton) REQUIRE_REFUSED(solve(array, near, by(one.method)));
 }
 
 TEST_CASE("compile: a path's focus of amplitude 0 is held down by records, and refused by boards that add up",
@@ -279,7 +277,7 @@ TEST_CASE("compile: a path's focus of amplitude 0 is held down by records, and r
     REQUIRE(check.pressure_kept > 0.999);
     REQUIRE(check.peak_offset_m < 1e-4);
     const Core adds_up = find_configuration("tile-100-wide");
-    REQUIRE_THROWS_WITH(compile(path, array, adds_up), Contains("only adds foci up") && Contains("step 1"));
+    REQUIRE_REFUSED(compile(path, array, adds_up));
     Path padded = path;
     padded.steps[0].foci[1].position = padded.steps[0].foci[0].position;
     REQUIRE(compile(padded, array, adds_up).bundle.image.foci.value().each == 1);
@@ -364,7 +362,7 @@ TEST_CASE("solver: what is said of ticks is what the record's pulses make, of wh
                         Approx(std::abs(pressure(array, drives, step.foci[k].position))).epsilon(1e-9));
         }
     }
-    REQUIRE_THROWS_WITH(solve_steps({{{from_mm(0, 0, 150), 1e-4}}}, array, core, {}, false), Contains("no length"));
+    REQUIRE_REFUSED(solve_steps({{{from_mm(0, 0, 150), 1e-4}}}, array, core, {}, false));
 }
 
 TEST_CASE("solver: rigs and every pattern", "[solver]") {
@@ -385,7 +383,7 @@ TEST_CASE("solver: rigs and every pattern", "[solver]") {
         fast.solve(foci);
         REQUIRE(quality_of(array, foci, fast.drives()).spread <= 0.005);
     }
-    REQUIRE_THROWS_WITH(solve(array, random_foci(g, 2), by(Method::inverse_transform)), Contains("one z"));
+    REQUIRE_REFUSED(solve(array, random_foci(g, 2), by(Method::inverse_transform)));
 }
 
 TEST_CASE("solver: beginning from the last drives needs one round", "[solver]") {
@@ -444,8 +442,7 @@ TEST_CASE("compile: steps of several foci take the solver that was asked for, an
         compile(Path{{{{{from_mm(-25, 0, 130)}, {from_mm(20, 10, 140)}}, 40}}, {}}, array, core).bundle.manifest);
     const std::string line = " \"solver\": \"gauss-newton\",\n";
     REQUIRE(text.find(line) != std::string::npos);
-    REQUIRE_THROWS_WITH(manifest_from_json(std::string(text).replace(text.find("gauss-newton"), 5, "magic"), "test"),
-                        Contains("solver"));
+    REQUIRE_REFUSED(manifest_from_json(std::string(text).replace(text.find("gauss-newton"), 5, "magic"), "test"));
     text.erase(text.find(line), line.size());
     REQUIRE(manifest_from_json(text, "test").solver == Method::superposition);
 }
@@ -470,28 +467,27 @@ TEST_CASE("solver: says what it cannot do, and with which focus", "[solver]") {
     FastSolver fast(array, 100);
     for (const Bad& bad : cases) {
         CAPTURE(bad.says);
-        for (const MethodName& one : method_names)
-            REQUIRE_THROWS_WITH(solve(array, bad.foci, by(one.method)), Contains(bad.says));
-        REQUIRE_THROWS_WITH(quality_of(array, bad.foci, DriveList(100, 1.0)), Contains(bad.says));
-        if (bad.says != std::string("elements")) REQUIRE_THROWS_WITH(fast.solve(bad.foci), Contains(bad.says));
+        for (const MethodName& one : method_names) REQUIRE_REFUSED(solve(array, bad.foci, by(one.method)));
+        REQUIRE_REFUSED(quality_of(array, bad.foci, DriveList(100, 1.0)));
+        if (bad.says != std::string("elements")) REQUIRE_REFUSED(fast.solve(bad.foci));
     }
-    REQUIRE_THROWS_WITH(fast.solve(many), Contains("at most 100"));
-    REQUIRE_THROWS_WITH(solve(array, std::vector{good}, {}, DriveList(3, 1.0)), Contains("3 drives"));
-    REQUIRE_THROWS_WITH(quality_of(array, std::vector{good}, DriveList(3, 1.0)), Contains("3 drives"));
-    REQUIRE_THROWS_WITH(method_of("magic"), Contains("gauss-newton") && Contains("magic"));
+    REQUIRE_REFUSED(fast.solve(many));
+    REQUIRE_REFUSED(solve(array, std::vector{good}, {}, DriveList(3, 1.0)));
+    REQUIRE_REFUSED(quality_of(array, std::vector{good}, DriveList(3, 1.0)));
+    REQUIRE_REFUSED(method_of("magic"));
     REQUIRE(method_of("gs-pat") == Method::gs_pat);
-    REQUIRE_THROWS_WITH(FastSolver(array, 0), Contains("expected from 1"));
-    REQUIRE_THROWS_WITH(FastSolver(array, 101), Contains("expected from 1"));
+    REQUIRE_REFUSED(FastSolver(array, 0));
+    REQUIRE_REFUSED(FastSolver(array, 101));
     FastSolver fresh(array, 4);
-    REQUIRE_THROWS_WITH(fresh.follow(std::vector{good}), Contains("solve() begins"));
+    REQUIRE_REFUSED(fresh.follow(std::vector{good}));
     std::vector<std::uint16_t> room(7);
-    REQUIRE_THROWS_WITH(fresh.ticks(Timer{}, room), Contains("room for 7, expected 100"));
+    REQUIRE_REFUSED(fresh.ticks(Timer{}, room));
     Array behind = array;
     behind.transducer.pattern = Pattern::table;
     behind.transducer.table = {1.0, 0.5};
     const std::vector<Focus> below{{{0.0, 0.0, -0.1}}};
-    REQUIRE_THROWS_WITH(solve(behind, below), Contains("behind"));
-    REQUIRE_THROWS_WITH(FastSolver(behind, 1).solve(below), Contains("behind"));
+    REQUIRE_REFUSED(solve(behind, below));
+    REQUIRE_REFUSED(FastSolver(behind, 1).solve(below));
 }
 
 TEST_CASE("fast solver: as good as the one in double precision, on every instruction set", "[solver]") {

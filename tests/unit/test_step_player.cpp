@@ -4,10 +4,10 @@
 #include <catch2/catch.hpp>
 #include <map>
 
+#include "../refusal.hpp"
 #include "../virtual_clock.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/step_player.hpp"
-#include "message_of.hpp"
 #include "timed_line.hpp"
 
 using namespace haptogram;
@@ -170,11 +170,10 @@ TEST_CASE("step player: a record plays, becomes weaker, gives way to another, an
     const Bytes weaker = bench.carried.of({Command::write}).back().second;
     REQUIRE(weaker.size() == 6);
     REQUIRE(weaker[4] < 50);
-    REQUIRE(message_of([&] { bench.player.stream(image(31), 1); }) ==
-            "board: it streams another scene; press STOP first");
-    REQUIRE(message_of([&] { bench.player.stream(shown, 31); }) == "index: 31 is no record of the scene");
-    REQUIRE(message_of([&] { bench.player.set_intensity(1.5); }) == "intensity: found 1.5, expected 0 to 1");
-    REQUIRE(message_of([&] { bench.player.modulate(*shown); }) == "board: it plays no scene; press Play");
+    REQUIRE_REFUSED(bench.player.stream(image(31), 1));
+    REQUIRE_REFUSED(bench.player.stream(shown, 31));
+    REQUIRE_REFUSED(bench.player.set_intensity(1.5));
+    REQUIRE_REFUSED(bench.player.modulate(*shown));
     const auto asked = bench.clock.now();
     const std::uint64_t stop = bench.player.stop();
     bench.step_until([&] { return !bench.device.enabled(); });
@@ -227,8 +226,7 @@ TEST_CASE("step player: who does not step has the watchdog turn the outputs off,
     bench.clock.rest(501ms);
     bench.step_until([&] { return bench.told(Stage::failed); });
     REQUIRE(bench.device.trips() == 1);
-    REQUIRE(std::string(bench.works.back().error->what()) ==
-            "board: it has turned its outputs off: its watchdog heard nothing from this host for 500 ms");
+    REQUIRE_REFUSAL(heard::Refusal(*bench.works.back().error));
 }
 
 TEST_CASE("step player: after a loss the outputs are turned off first, and a device that was reset is known again") {
@@ -240,7 +238,7 @@ TEST_CASE("step player: after a loss the outputs are turned off first, and a dev
     *cut = true;
     bench.step_until([&] { return bench.player.state().connection == Connection::lost; });
     REQUIRE(bench.works.back().stage == Stage::failed);
-    REQUIRE(message_of([&] { bench.player.play(image(70)); }) == "board: line: the port is gone (pulled)");
+    REQUIRE_REFUSED(bench.player.play(image(70)));
     *cut = false;
     bench.connect();
     REQUIRE_FALSE(bench.device.enabled());
@@ -258,7 +256,7 @@ TEST_CASE("step player: after a loss the outputs are turned off first, and a dev
 
 TEST_CASE("step player: an image that does not fit, and a record that the device refuses") {
     Bench bench;
-    REQUIRE(message_of([&] { bench.player.upload(image(80)); }) == "board: it has not answered yet");
+    REQUIRE_REFUSED(bench.player.upload(image(80)));
     bench.connect();
     Image wide = *image(80);
     wide.channels = 90;
@@ -269,10 +267,8 @@ TEST_CASE("step player: an image that does not fit, and a record that the device
 TEST_CASE("step player: what waits for triggers starts its part at once, and ends at STOP alone") {
     Bench bench;
     bench.connect();
-    REQUIRE(message_of([&] { bench.player.trigger(0); }) == "board: nothing waits for this trigger; press Play");
-    REQUIRE(message_of([&] {
-                bench.player.play(image(50), {{1, 31, 1, false}});
-            }) == "trigger: number 1 plays 31 entries from entry 1 on; the sequence has 30");
+    REQUIRE_REFUSED(bench.player.trigger(0));
+    REQUIRE_REFUSED(bench.player.play(image(50), {{1, 31, 1, false}}));
     bench.player.play(image(50), {{1, 30, 1, false}, {5, 3, 2, false}});
     bench.step_until([&] { return bench.told(Stage::plays); });
     REQUIRE(bench.device.enabled());
@@ -285,7 +281,7 @@ TEST_CASE("step player: what waits for triggers starts its part at once, and end
     bench.step_until([&] { return !bench.carried.of({Command::start}).empty(); });
     REQUIRE(bench.clock.now() - asked <= 2ms);
     REQUIRE(bench.carried.of({Command::start}).back().second == Bytes{5, 0, 3, 0, 2, 0});
-    REQUIRE(message_of([&] { bench.player.trigger(2); }) == "board: nothing waits for this trigger; press Play");
+    REQUIRE_REFUSED(bench.player.trigger(2));
     bench.step_until([&] { return bench.clock.now() - asked > 1s; });
     REQUIRE(bench.device.enabled());
     const std::uint64_t stop = bench.player.stop();

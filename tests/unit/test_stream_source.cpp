@@ -3,13 +3,13 @@
 #include <random>
 #include <vector>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/modulate.hpp"
 #include "haptogram/link/source.hpp"
 
 using namespace haptogram;
 using namespace haptogram::link;
-using Catch::Contains;
 
 namespace {
 
@@ -61,10 +61,9 @@ TEST_CASE("stream source: a gate silences the periods in which the waveform is o
 
 TEST_CASE("stream source: what silence between entries cannot make is named", "[link]") {
     for (const char* const waveform : {"sine:200", "triangle:200", "abs-sine:100", "square:200+square:50"})
-        CHECK_THROWS_WITH(gate_of(made(waveform), waveform), Contains("on or off") && Contains(waveform));
-    CHECK_THROWS_WITH(gate_of(made("square:1000:0.02"), "square:1000:0.02"),
-                      Contains("on or off"));  // less than a period
+        CHECK_REFUSED(gate_of(made(waveform), waveform));
+    CHECK_REFUSED(gate_of(made("square:1000:0.02"), "square:1000:0.02"));  // less than a period
     RepeatedEntries held({{1, 0}}, 1);
     GatedEntries gated(held, gate_of(made("square:200"), "square:200"));
-    CHECK_THROWS_WITH(gated.next(std::chrono::milliseconds(0)), Contains("dwell"));
+    CHECK_REFUSED(gated.next(std::chrono::milliseconds(0)));
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/verbs/compile.hpp"
@@ -12,7 +13,6 @@
 #include "haptogram/verbs/trigger_table.hpp"
 
 using namespace haptogram;
-using Catch::Contains;
 
 namespace {
 
@@ -58,24 +58,20 @@ TEST_CASE("triggers: a project's file says them, and is written as it was read")
 
 TEST_CASE("triggers: what makes no sense is refused by its line") {
     const auto refused = [](const std::string& table) {
-        try {
-            static_cast<void>(project_from_toml(project_with("[[trigger]]\n" + table), "project"));
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string();
+        return heard::refusal_of(
+            [&] { static_cast<void>(project_from_toml(project_with("[[trigger]]\n" + table), "project")); });
     };
-    CHECK_THAT(refused("from_s = 1\n"), Contains("project:4") && Contains("has 'on'"));
-    CHECK_THAT(refused("on = \"key:ab\"\n"), Contains("project:5") && Contains("key:ab"));
-    CHECK_THAT(refused("on = \"key:{\"\n"), Contains("project:5"));
-    CHECK_THAT(refused("on = \"line: go\"\n"), Contains("project:5"));
-    CHECK_THAT(refused("on = \"region\"\nsize_mm = 3\n"), Contains("project:4") && Contains("needs both"));
-    CHECK_THAT(refused("on = \"pin\"\nsize_mm = 3\ncenter_mm = [0, 0, 1]\n"), Contains("others have neither"));
-    CHECK_THAT(refused("on = \"pin\"\nfrom_s = 1\nto_s = 1\n"), Contains("project:7") && Contains("more than from_s"));
-    CHECK_THAT(refused("on = \"pin\"\nloops = 70000\n"), Contains("65535"));
-    CHECK_THAT(refused("on = \"pin\"\n[[trigger]]\non = \"pin\"\n"), Contains("project:6") && Contains("second"));
-    CHECK_THAT(refused("on = \"key:a\"\n[[trigger]]\non = \"line:a\"\n"), Contains("'a'"));
-    CHECK_THAT(refused("on = \"pin\"\nwhen = 1\n"), Contains("when"));
+    CHECK_REFUSAL(refused("from_s = 1\n"));
+    CHECK_REFUSAL(refused("on = \"key:ab\"\n"));
+    CHECK_REFUSAL(refused("on = \"key:{\"\n"));
+    CHECK_REFUSAL(refused("on = \"line: go\"\n"));
+    CHECK_REFUSAL(refused("on = \"region\"\nsize_mm = 3\n"));
+    CHECK_REFUSAL(refused("on = \"pin\"\nsize_mm = 3\ncenter_mm = [0, 0, 1]\n"));
+    CHECK_REFUSAL(refused("on = \"pin\"\nfrom_s = 1\nto_s = 1\n"));
+    CHECK_REFUSAL(refused("on = \"pin\"\nloops = 70000\n"));
+    CHECK_REFUSAL(refused("on = \"pin\"\n[[trigger]]\non = \"pin\"\n"));
+    CHECK_REFUSAL(refused("on = \"key:a\"\n[[trigger]]\non = \"line:a\"\n"));
+    CHECK_REFUSAL(refused("on = \"pin\"\nwhen = 1\n"));
 }
 
 TEST_CASE("triggers: each plays the entries that begin in its time") {
@@ -92,24 +88,24 @@ TEST_CASE("triggers: each plays the entries that begin in its time") {
     CHECK(part(10, 30) == TriggeredPart{2, 1, 1, true});
     CHECK(part(0, 31, 0) == TriggeredPart{1, 3, 0, true});
     CHECK(part(11, 100) == TriggeredPart{3, 2, 1, true});
-    CHECK_THROWS_WITH(part(61, {}), Contains("no focal point begins"));
-    CHECK_THROWS_WITH(part(100, {}), Contains("a pass lasts 0.1 s"));
-    CHECK_THROWS_WITH(part(0, 102), Contains("a pass lasts 0.1 s"));
+    CHECK_REFUSED(part(61, {}));
+    CHECK_REFUSED(part(100, {}));
+    CHECK_REFUSED(part(0, 102));
 }
 
 TEST_CASE("triggers: a part that the sequence does not have, and a board without the pin, are refused") {
     link::Identity identity;
     const std::vector<TriggeredPart> key{{2, 3, 1, false}}, pin{{1, 1, 1, true}};
     CHECK_NOTHROW(link::require_parts(key, 4, identity));
-    CHECK_THROWS_WITH(link::require_parts(key, 3, identity), Contains("number 1 plays 3 entries from entry 2 on"));
-    CHECK_THROWS_WITH(link::require_parts(pin, 4, identity), Contains("TRIGGER"));
+    CHECK_REFUSED(link::require_parts(key, 3, identity));
+    CHECK_REFUSED(link::require_parts(pin, 4, identity));
     identity.features = 1U << static_cast<unsigned>(interface::Feature::trigger);
     CHECK_NOTHROW(link::require_parts(pin, 4, identity));
     const std::vector<TriggeredPart> two{pin[0], pin[0]};
-    CHECK_THROWS_WITH(link::require_parts(two, 4, identity), Contains("second"));
+    CHECK_REFUSED(link::require_parts(two, 4, identity));
     Project project = project_from_toml(project_with("[[trigger]]\non = \"pin\"\n"), "project");
     project.points = 8;
-    CHECK_THROWS_WITH(compile(project), Contains("TRIGGER"));
+    CHECK_REFUSED(compile(project));
     project.board = "ulx3s-85f";
     CHECK(compile(project).parts == std::vector<TriggeredPart>{{1, 8, 1, true}});
 }
@@ -127,8 +123,7 @@ TEST_CASE("triggers: words fire keys and lines, hands that come into a region fi
     CHECK(lines.fired(scene(10, 0, 179), "in") == Numbers{2});
     CHECK(lines.fired(R"({"scene": 1, "hands": []})", "in").empty());
     CHECK(lines.fired(scene(10, 0, 150), "in") == Numbers{2});
-    CHECK_THROWS_WITH(lines.fired("b", "in:7"),
-                      Contains("in:7") && Contains("found 'b', expected 'a', 'go on' or a scene"));
-    CHECK_THROWS_WITH(lines.fired("{", "in:8"), Contains("in:8") && Contains("no scene"));
-    CHECK_THROWS_WITH(lines.fired(R"({"scene": 3, "hands": []})", "in:9"), Contains("version 3"));
+    CHECK_REFUSED(lines.fired("b", "in:7"));
+    CHECK_REFUSED(lines.fired("{", "in:8"));
+    CHECK_REFUSED(lines.fired(R"({"scene": 3, "hands": []})", "in:9"));
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/waveform.hpp"
@@ -239,31 +240,29 @@ TEST_CASE("waveform: a CSV file has straight lines between its rows", "[waveform
 }
 
 TEST_CASE("waveform: mistakes are named", "[waveform]") {
-    const auto refuses = [](const std::string& text, const std::string& words) {
+    const auto refuses = [](const std::string& text) {
         CAPTURE(text);
-        REQUIRE_THROWS_WITH(made(text), Contains(words));
+        REQUIRE_REFUSED(made(text));
     };
-    refuses("sinus:200", "\"sinus:200\"");
-    refuses("", "expected static");
-    refuses("sine", "\"sine\"");
-    refuses("sine:fast", "\"sine:fast\"");
-    refuses("sine:0", "frequency of 0");
-    refuses("sine:20001", "at most half the carrier");
-    refuses("sine:200:0.5", "\"sine:200:0.5\"");
-    refuses("square:200:1", "duty");
-    refuses("sine:200+", "\"\"");
-    refuses("wav:/no/such.wav", "/no/such.wav");
-    const auto refuses_wav = [](const std::string& bytes, const std::string& words) {
-        REQUIRE_THROWS_WITH(wave_from_wav(bytes, "x.wav"), Contains("x.wav") && Contains(words));
-    };
+    refuses("sinus:200");
+    refuses("");
+    refuses("sine");
+    refuses("sine:fast");
+    refuses("sine:0");
+    refuses("sine:20001");
+    refuses("sine:200:0.5");
+    refuses("square:200:1");
+    refuses("sine:200+");
+    refuses("wav:/no/such.wav");
+    const auto refuses_wav = [](const std::string& bytes) { REQUIRE_REFUSED(wave_from_wav(bytes, "x.wav")); };
     const std::string good = wav({0.0, 0.5, -0.5}, 8000, 16);
     CHECK(wave_from_wav(good, "x.wav").samples.size() == 3);
-    refuses_wav("RIFX", "not a WAV");
-    refuses_wav(good.substr(0, good.size() - 1), "cut short");
-    refuses_wav(good.substr(0, 36), "no sound data");
-    refuses_wav(wav({0.0}, 8000, 16, 2), "2 channels");
-    refuses_wav(wav({}, 8000, 16), "no samples");
-    refuses_wav(wav({1.5}, 8000, 132), "sample 1 is 1.5");
+    refuses_wav("RIFX");
+    refuses_wav(good.substr(0, good.size() - 1));
+    refuses_wav(good.substr(0, 36));
+    refuses_wav(wav({0.0}, 8000, 16, 2));
+    refuses_wav(wav({}, 8000, 16));
+    refuses_wav(wav({1.5}, 8000, 132));
 }
 
 TEST_CASE("waveform: foci that a modulation always silences are warned of", "[waveform]") {
@@ -273,7 +272,7 @@ TEST_CASE("waveform: foci that a modulation always silences are warned of", "[wa
     project.points = 40;
     project.pace.frequency_hz = 20.0;
     project.am = "square:200";
-    REQUIRE_THAT(compile(project).warnings.front(), Contains("20 of 40 steps"));
+    REQUIRE_SAID(compile(project).warnings.front());
     project.pace.frequency_hz = 25.0;
     REQUIRE(compile(project).warnings.empty() == false);
     project.am.clear();

@@ -7,7 +7,7 @@ FAILED, USAGE, BAD_INPUT = 1, 2, 3
 class SweepError(Exception):
     def __init__(self, code: int, where: str, message: str):
         super().__init__(f"{where}: {message}")
-        self.code = code
+        self.code, self.where, self.message = code, where, message
 
 
 def bad_input(where: str, message: str) -> SweepError:
