@@ -475,7 +475,7 @@ def page(table):
         if block["region"] == "description":
             out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", "",
                     f"In the flash of a board with SDRAM an image begins at {table['flash_image']['first']:#x} and has at most {table['flash_image']['bytes']:,} bytes: a zero, frames as they come over a line, each with",
-                    "its zero, and a zero more. The first is IDENTIFY, all others are WRITE, numbered one after the other; one that is damaged or refused, or whose number",
+                    "its zero, and two zeros more. The first is IDENTIFY, all others are WRITE, numbered one after the other; one that is damaged or refused, or whose number",
                     "is not the next, ends the reading. They are not answered. Any byte of a host ends the reading, too, and is the first of its own frame.", ""]
         if block["region"] == "status":
             for kind, about in (("mode", "where the next record comes from"), ("role", "what")):

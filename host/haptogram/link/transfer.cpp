@@ -157,7 +157,7 @@ Bytes flash_image(const Image& image, bool autostart, const std::string& where) 
         add(writing(piece));
     }
     if (image.modulation) add(played(*image.modulation));
-    bytes.push_back(0);
+    bytes.insert(bytes.end(), 2, 0);
     if (bytes.size() > interface::flash_image::bytes)
         throw bad_input(where,
                         fmt::format("it takes {} bytes of the board's flash, which has room for {}; leave some records "
