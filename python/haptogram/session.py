@@ -69,6 +69,17 @@ class _Pending:
     reply: Reply | None = None
 
 
+class _Theirs(Exception):
+    """The number is that of a session which somebody else has begun, so the board takes an IDENTIFY for a late copy."""
+
+
+def _begins(reply: Reply) -> bool:
+    """Whether an answer to IDENTIFY says that the session is its own."""
+    if reply.status == Status.REPEATED:
+        return reply.expected == (reply.sequence + 1) % 256
+    return reply.status != Status.SESSION_ENDED
+
+
 class Session:
     """Once `stopped` says true, every exchange raises Interrupted and nothing more is sent; urge() does not ask it."""
 
@@ -101,7 +112,12 @@ class Session:
         self._next = self._number = (self._next + 128) % 256
         self._line.drain()
         self._line.write(b"\0")  # ends whatever half frame the line left
-        return self._exchange([Request(Command.IDENTIFY, answer=None)])[0].data
+        for _ in range(LINK_MOST_STRANGE):
+            try:
+                return self._exchange([Request(Command.IDENTIFY, answer=None)])[0].data
+            except _Theirs:
+                self._next = self._number = (self._number + 85) % 256
+        raise device_error(self._line.path, "the board begins no session; is another program at it?")
 
     def make_room(self, frame_bytes: int, live_depth: int) -> None:
         """Learns from the identity block how long a frame the board always has room for, and how many live entries."""
@@ -222,6 +238,9 @@ class Session:
         one = self._queue[place]
         if one.reply or reply.command != one.request.command:
             return
+        if one.request.command == Command.IDENTIFY and not _begins(reply):
+            self._forget()
+            raise _Theirs
         # What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.
         if reply.status == Status.SESSION_ENDED:
             self._forget()

@@ -123,6 +123,7 @@ private:
     void finish_answered();
     void finish(const Reply& reply);
     void begin_round(bool late);
+    void begin_anew();
     void send_again_soon();
     [[noreturn]] void lose(const std::string& why);
     void forget();
@@ -144,6 +145,7 @@ private:
     std::size_t farthest_ = 0;                                               // of the queue, in any
     std::deque<Sent> on_line_;
     unsigned round_ = 0;          // a new one begins when frames are sent again
+    unsigned first_round_ = 0;    // in which the queue's first became that
     bool round_is_late_ = false;  // it began because nothing was answered
     unsigned tries_ = 0, strange_ = 0;
     bool sent_again_ = false;  // for an answer that showed a loss, within this patience
