@@ -471,7 +471,8 @@ def page(table):
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["event"]] + ["", "Values of test:", "", "| value | test | the test output |", "|---|---|---|"]
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["test"]] + [""]
             out += [f"A host may write the first {trigger_settings(table)} words. Like the memories they are not touched by a reset, and neither are clocks and counts. An event while the",
-                    "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.", ""]
+                    "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.",
+                    "Whether in_gates holds pulses back at present cannot be read: outputs that are on count as enabled while their pins are silent.", ""]
         if block["region"] == "description":
             out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", "",
                     f"In the flash of a board with SDRAM an image begins at {table['flash_image']['first']:#x} and has at most {table['flash_image']['bytes']:,} bytes: a zero, frames as they come over a line, each with",
@@ -490,7 +491,8 @@ def page(table):
     for c in table["command"]:
         sent = ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])])
         out.append(f"| {c['name']} | 0x{c['code']:02X} | {sent} | {c.get('reply', '')} | {c['about']} |")
-    out += ["", "MODULATE, GATE, PUSH_FOCI, STREAM and SYNC are unknown to boards without modulation, schedule, foci, stream and SYNC, respectively. The longest frame",
+    out += ["", "MODULATE, GATE, PUSH_FOCI, STREAM and SYNC are unknown to boards without modulation, schedule, foci, stream and SYNC, respectively;",
+            "a frame of one of them whose length is wrong, too, is answered bad_length. The longest frame",
             "that is always taken has frame_bytes bytes, decoded and without its CRC: a WRITE of a record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2",
             "indices, if there is room for them, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci. An answer tells the state of the moment when it is sent, also a",
             "repeated one."]
@@ -573,13 +575,18 @@ STREAM_PAGE = [
 ]
 
 
+def link_number(table, name):
+    return next(row["value"] for row in table["link"] if row["name"] == name)
+
+
 def network_page(net, table):
     codes = {row["name"]: f"0x{row['code']:02x}" for row in table["command"]}
     return [
         "## Over Ethernet", "",
         f"A board with net has an IPv4 address, answers ARP and ping, and takes UDP at port {net['port']}, at 1 Gbit/s only. A datagram of at most",
         f"{net['datagram_bytes']} bytes is a stretch of the line with whole frames; answers gather for 50 µs. All else stays as on a line, but for two numbers:",
-        f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time.", "",
+        f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time: "
+        f"{link_number(table, 'tries') * link_number(table, 'patience_ms') // net['patience_ms']}, and {link_number(table, 'first_tries') * link_number(table, 'patience_ms') // net['patience_ms']} of identify.", "",
         f"- A datagram is dropped whole and counted as damaged when its FCS is wrong, to port {net['port']} a sum of IP or UDP (0 is none), or when there is no",
         "  room; but a DISABLE or STOP in one without room acts. Dropped without a count: lengths that contradict each other, fragments, IP options, VLAN tags,",
         "  what is for another address, to all, or to a group. A frame ends with its datagram: one without a zero at its end is given one.",

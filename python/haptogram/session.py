@@ -17,6 +17,7 @@ from .interface import (
     LINK_FIRST_TRIES,
     LINK_KEEP_ALIVE_MS,
     LINK_KEEP_ALIVE_SHARE,
+    LINK_LOST_MS,
     LINK_MOST_PATIENCE_MS,
     LINK_MOST_STRANGE,
     LINK_PATIENCE_MS,
@@ -101,7 +102,7 @@ class Session:
         self._next = random.randrange(256)  # number of the queue's first; so late answers to a program that was killed match nothing
         self._sent = self._farthest = 0  # of the queue, in this round and in any
         self._tries = self._strange = 0  # since the last progress
-        self._since = self._said = clock()  # of the last progress or round; of the last new frame
+        self._since = self._said = self._moved = clock()  # of the last progress or round; of the last new frame; of the last progress
         self._last_gap: float | None = None  # since the last progress
         self._in_doubt = True  # only a new session makes the numbers certain
         self._late = False  # something was sent again because no answer came, and what became of it is not known yet
@@ -213,6 +214,10 @@ class Session:
             self._take(reply)
         if not self._queue:
             return
+        stuck = self._clock() - self._moved
+        if stuck >= max(LINK_LOST_MS / 1000, 2 * self.patience):
+            raise device_error(self._line.path, f"no answer to {self._queue[0].request.command.name.lower()} in {stuck:.0f} s; "
+                               "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
         if self._clock() - self._since >= self.patience:
             self._late = True
             self._send_again()
@@ -288,6 +293,7 @@ class Session:
 
     def _progress(self) -> None:
         self._since = self._clock()
+        self._moved = self._since
         self._tries = self._strange = self._heard = 0
         self._last_gap = None
 

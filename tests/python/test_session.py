@@ -98,6 +98,17 @@ def test_all_in_order_and_once():
     assert (client.retransmissions, board.now) == (0, 0)
 
 
+def test_a_link_is_lost_after_ten_seconds_however_long_the_patience_has_grown():
+    silent = False
+    board, client = begun(fate=lambda n, _: "lost" if silent else "")
+    client.patience = 2.0
+    silent = True
+    since = board.now
+    with pytest.raises(HaptogramError, match="no answer to write"):
+        client.exchange(WRITES)
+    assert 9.9 < board.now - since < 10.6
+
+
 @pytest.mark.parametrize("ended", [False, True])
 def test_a_number_that_began_somebody_elses_session_is_not_taken_twice(ended):
     board = Board()

@@ -165,6 +165,21 @@ TEST_CASE("virtual time: a number that began somebody else's session is not take
     CHECK(device.enabled());
 }
 
+TEST_CASE("virtual time: however many devices are silent, they are given up within two seconds of a signal", "[link]") {
+    VirtualClock clock;
+    FakeDevice devices[6];
+    std::vector<std::unique_ptr<link::Client>> clients;
+    std::vector<link::Client*> all;
+    for (FakeDevice& device : devices) {
+        clients.push_back(std::make_unique<link::Client>(
+            std::make_unique<TimedLine>(device, TimedLine::Settings{.lose_one_in = 1}, clock)));
+        clients.back()->set_interrupt([] { return 1U; });
+        all.push_back(clients.back().get());
+    }
+    CHECK(link::shut_off(all) == std::vector<bool>(6, false));
+    CHECK(clock.now() < 2s);
+}
+
 TEST_CASE("virtual time: a device is driven in steps, without a thread") {
     VirtualClock clock;
     FakeDevice device;

@@ -98,8 +98,10 @@ void Client::exchange(std::chrono::microseconds at_most) {
         const std::chrono::microseconds passed = hear(slice, arrived);
         const bool quiet = heard_ == heard;
         waited_ = queue_.empty() ? std::chrono::microseconds(0) : waited_ + passed;
+        stuck_ = queue_.empty() ? std::chrono::microseconds(0) : stuck_ + passed;
         for (const Reply& reply : arrived) take(reply);
         if (waited_ >= patience_) begin_round(true);
+        require_progress();
         at_most -= passed;
         if (!quiet || at_most <= std::chrono::microseconds(0)) return;
     }
@@ -243,7 +245,7 @@ void Client::pop() {
     first_round_ = round_;
     tries_ = strange_ = 0;
     sent_again_ = false;
-    waited_ = std::chrono::microseconds(0);
+    waited_ = stuck_ = std::chrono::microseconds(0);
     heard_ = 0;
 }
 
@@ -284,6 +286,15 @@ void Client::begin_round(bool late) {
     transport_.write(Bytes{0});  // ends whatever half frame the line left
 }
 
+/// Rounds may be cut short or grow long, so how long nothing was acknowledged has a limit of its own.
+void Client::require_progress() {
+    const std::chrono::microseconds most =
+        std::max<std::chrono::microseconds>(std::chrono::milliseconds(policy::lost_ms), 2 * patience_);
+    if (queue_.empty() || stuck_ < most) return;
+    lose(fmt::format("no answer to {} in {:.0f} s; {}", to_string(queue_.front().request.command),
+                     1e-6 * static_cast<double>(stuck_.count()), transport_.why_silent()));
+}
+
 /// An answer has shown that something was lost. At most once within a patience, or a line that always loses the same
 /// would be flooded.
 void Client::send_again_soon() {
@@ -319,7 +330,7 @@ void Client::forget() {
     tries_ = strange_ = 0;
     sent_again_ = false;
     heard_ = 0;
-    waited_ = std::chrono::microseconds(0);
+    waited_ = stuck_ = std::chrono::microseconds(0);
 }
 
 void Client::make_ready() {
@@ -377,6 +388,7 @@ void Client::shut_off() {
 }
 
 void Client::say_off() {
+    off_->said = clock().now();
     transport_.write(Bytes{0});  // ends whatever half frame the line left
     transport_.write(encode_request(off_->number, Command::disable, {}));
     transport_.write(encode_request(static_cast<std::uint8_t>(off_->number + 1), Command::stop, {}));
@@ -401,6 +413,8 @@ void Client::listen_for_off(std::chrono::microseconds at_most) {
     std::vector<Reply> arrived;
     const std::chrono::microseconds patience = heeded_ ? least_patience_ : patience_;
     waited_ += hear(std::min({at_most, patience, std::chrono::microseconds(longest_listen)}), arrived);
+    // Other devices may be listened to in turn.
+    waited_ = std::max(waited_, std::chrono::duration_cast<std::chrono::microseconds>(clock().now() - off_->said));
     for (const Reply& reply : arrived) {
         off_->disabled |= reply.command == Command::disable && reply.sequence == off_->number;
         off_->stopped |=

@@ -103,6 +103,7 @@ private:
         bool disabled = false, stopped = false;
         unsigned rounds = 0;
         bool broken = false;  ///< a break was sent
+        Clock::Time said{};
     };
 
     /// Whether an answer with data is still to come.
@@ -124,6 +125,7 @@ private:
     void finish(const Reply& reply);
     void begin_round(bool late);
     void begin_anew();
+    void require_progress();
     void send_again_soon();
     [[noreturn]] void lose(const std::string& why);
     void forget();
@@ -155,6 +157,7 @@ private:
     std::chrono::microseconds most_patience_ = std::max<std::chrono::microseconds>(
         patience_, std::chrono::milliseconds(interface::link_policy::most_patience_ms));
     std::chrono::microseconds waited_{0};  // since a request was finished or sent again
+    std::chrono::microseconds stuck_{0};   // since a request was finished
     std::uint64_t heard_ = 0;              // bytes since a request was finished
     std::uint64_t retransmissions_ = 0, answers_ = 0;
     std::optional<Off> off_;
