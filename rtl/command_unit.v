@@ -5,7 +5,7 @@
 // Frames may be lost, damaged or repeated on the line. So each carries a sequence number, and this module takes each once and
 // in order: the expected one is applied; an earlier one has been applied before and is only answered (a read reads again); a
 // later one is refused, and its number stays expected. After reset, and when a session has ended, only IDENTIFY is taken, which says where the
-// numbers begin.
+// numbers begin. A late copy of the one that began the session is only answered, and begins none when that has ended.
 // Nothing changes before the whole frame has been found good. PUSH is the exception: its indices wait in the live FIFO until
 // o_keep or o_take_back; so do those of PUSH_FOCI, whose words are written to where focus_ring says. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
 // Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
@@ -109,8 +109,10 @@ module command_unit #(
     // ---- Its place among the frames
 
     wire [7:0] ahead = o_sequence - o_expected;
-    wire in_order = (ahead == 8'd0 && session_q) || command_q == `HG_COMMAND_IDENTIFY;
-    wire repeated = !in_order && ahead[7] && session_q;
+    wire begins   = command_q == `HG_COMMAND_IDENTIFY;
+    wire its_own  = o_sequence == session_number_q;
+    wire in_order = begins ? !session_q || !its_own : ahead == 8'd0 && session_q;
+    wire repeated = session_q && (begins ? its_own : ahead[7]);
 
     // ---- Outputs
 
@@ -185,8 +187,8 @@ module command_unit #(
             end
 
             JUDGE:
-                if (NET != 0 && (i_ended || ended_q) && (i_ended || command_q != `HG_COMMAND_IDENTIFY)) finish(`HG_REPLY_SESSION_ENDED);
-                else if (message ? !session_q || o_sequence != session_number_q : !in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
+                if (NET != 0 && (i_ended || ended_q) && (i_ended || !begins || its_own)) finish(`HG_REPLY_SESSION_ENDED);
+                else if (message ? !session_q || !its_own : !in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
                 else if (!message && repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
                 else if (i_status != `HG_REPLY_OK) finish(i_status);
                 else if (tail_q) state_q <= TAIL;
@@ -204,7 +206,7 @@ module command_unit #(
                 o_repeated <= o_status == `HG_REPLY_REPEATED;
                 o_refused  <= o_status > `HG_REPLY_REPEATED;
                 if (o_status == `HG_REPLY_OK && !message) {session_q, o_expected} <= {1'b1, o_sequence + 8'd1};
-                if (o_status == `HG_REPLY_OK && command_q == `HG_COMMAND_IDENTIFY) session_number_q <= o_sequence;
+                if (o_status == `HG_REPLY_OK && begins) session_number_q <= o_sequence;
                 o_answer <= !message;
                 state_q  <= message ? LENGTH : ANSWER;
             end

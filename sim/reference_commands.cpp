@@ -175,12 +175,12 @@ void ReferenceBoard::refuse(Clock clock, Status status) {
 void ReferenceBoard::judge(Clock clock) {
     if (ended_.active(clock)) return refuse(clock, Status::session_ended);
     pass_session(clock);
-    if (session_ended_ && command_ != Command::identify) return refuse(clock, Status::session_ended);
+    const bool begins = command_ == Command::identify, its_own = number_ == session_number_;
+    if (session_ended_ && (!begins || its_own)) return refuse(clock, Status::session_ended);
     const std::uint8_t ahead = static_cast<std::uint8_t>(number_ - expected_);
-    const bool in_order = (ahead == 0 && session_) || command_ == Command::identify;
-    const bool repeated = !in_order && ahead >= 0x80 && session_;
-    if (is_message() ? !session_ || number_ != session_number_ : !in_order && !repeated)
-        return refuse(clock, Status::out_of_order);
+    const bool in_order = begins ? !session_ || !its_own : ahead == 0 && session_;
+    const bool repeated = session_ && (begins ? its_own : ahead >= 0x80);
+    if (is_message() ? !session_ || !its_own : !in_order && !repeated) return refuse(clock, Status::out_of_order);
     if (!is_message() && repeated && shape_.carries == Carries::nothing) return refuse(clock, Status::repeated);
     const Status found = verdict();
     if (found != Status::ok || !shape_.tail)

@@ -471,11 +471,12 @@ def page(table):
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["event"]] + ["", "Values of test:", "", "| value | test | the test output |", "|---|---|---|"]
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["test"]] + [""]
             out += [f"A host may write the first {trigger_settings(table)} words. Like the memories they are not touched by a reset, and neither are clocks and counts. An event while the",
-                    "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.", ""]
+                    "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.",
+                    "Whether in_gates holds pulses back at present cannot be read: outputs that are on count as enabled while their pins are silent.", ""]
         if block["region"] == "description":
             out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", "",
                     f"In the flash of a board with SDRAM an image begins at {table['flash_image']['first']:#x} and has at most {table['flash_image']['bytes']:,} bytes: a zero, frames as they come over a line, each with",
-                    "its zero, and a zero more. The first is IDENTIFY, all others are WRITE, numbered one after the other; one that is damaged or refused, or whose number",
+                    "its zero, and two zeros more. The first is IDENTIFY, all others are WRITE, numbered one after the other; one that is damaged or refused, or whose number",
                     "is not the next, ends the reading. They are not answered. Any byte of a host ends the reading, too, and is the first of its own frame.", ""]
         if block["region"] == "status":
             for kind, about in (("mode", "where the next record comes from"), ("role", "what")):
@@ -490,7 +491,8 @@ def page(table):
     for c in table["command"]:
         sent = ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])])
         out.append(f"| {c['name']} | 0x{c['code']:02X} | {sent} | {c.get('reply', '')} | {c['about']} |")
-    out += ["", "MODULATE, GATE, PUSH_FOCI, STREAM and SYNC are unknown to boards without modulation, schedule, foci, stream and SYNC, respectively. The longest frame",
+    out += ["", "MODULATE, GATE, PUSH_FOCI, STREAM and SYNC are unknown to boards without modulation, schedule, foci, stream and SYNC, respectively;",
+            "a frame of one of them whose length is wrong, too, is answered bad_length. The longest frame",
             "that is always taken has frame_bytes bytes, decoded and without its CRC: a WRITE of a record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2",
             "indices, if there is room for them, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci. An answer tells the state of the moment when it is sent, also a",
             "repeated one."]
@@ -573,13 +575,18 @@ STREAM_PAGE = [
 ]
 
 
+def link_number(table, name):
+    return next(row["value"] for row in table["link"] if row["name"] == name)
+
+
 def network_page(net, table):
     codes = {row["name"]: f"0x{row['code']:02x}" for row in table["command"]}
     return [
         "## Over Ethernet", "",
         f"A board with net has an IPv4 address, answers ARP and ping, and takes UDP at port {net['port']}, at 1 Gbit/s only. A datagram of at most",
         f"{net['datagram_bytes']} bytes is a stretch of the line with whole frames; answers gather for 50 µs. All else stays as on a line, but for two numbers:",
-        f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time.", "",
+        f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time: "
+        f"{link_number(table, 'tries') * link_number(table, 'patience_ms') // net['patience_ms']}, and {link_number(table, 'first_tries') * link_number(table, 'patience_ms') // net['patience_ms']} of identify.", "",
         f"- A datagram is dropped whole and counted as damaged when its FCS is wrong, to port {net['port']} a sum of IP or UDP (0 is none), or when there is no",
         "  room; but a DISABLE or STOP in one without room acts. Dropped without a count: lengths that contradict each other, fragments, IP options, VLAN tags,",
         "  what is for another address, to all, or to a group. A frame ends with its datagram: one without a zero at its end is given one.",
@@ -592,7 +599,8 @@ def network_page(net, table):
         "- **A session ends** when the link is lost, when anybody has sent DISABLE to the open port, and when the peer is another than the one before (one that",
         "  has been silent and comes back is the same). From then on, and for all that was on its way, nothing is done, and each frame is answered with",
         "  session_ended, an IDENTIFY that was on its way, too. A host sends nothing of that session again, takes no such answer for one to an earlier frame, and",
-        "  tells whoever uses it that outputs are off; not before that, and only if asked, it sends IDENTIFY. A session goes on after a STOP of anybody.",
+        "  tells whoever uses it that outputs are off; not before that, and only if asked, it sends IDENTIFY, with another number than that which had begun the",
+        "  session, because that one is taken for a late copy and answered session_ended, too. A session goes on after a STOP of anybody.",
         "- A host has no line to break. What stands for it is DISABLE at the open port, which ends the session, also its own.",
         "- There is **no authentication**: use a private wire or switch.", "",
         f"The open port, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. IDENTIFY ({codes['identify']}) only asks, and alone may be sent to all (broadcast).",

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -15,10 +16,12 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <list>
+#include <memory>
 #include <optional>
 #include <thread>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/notice.hpp"
 #include "haptogram/base/text.hpp"
 
 namespace haptogram::serve {
@@ -35,6 +38,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::ptrdiff_t most_clients = 16;  // and as many strangers
 constexpr std::size_t most_message_bytes = 16 << 20, most_header_bytes = 8192;
 constexpr std::chrono::seconds handshake_time{5};  // all of it; asio's calls know no time
+constexpr std::chrono::seconds silence{5};         // of a client that answers no ping, until it has gone
 constexpr int look_ms = 100;                       // between two looks whether it is the end
 constexpr double most_a_second = 200;  // requests of one client, but for foci; a second's worth may come at once
 
@@ -89,8 +93,14 @@ std::optional<std::pair<http::status, std::string>> refusal(const http::request<
 /// A client and its thread.
 class Session {
 public:
-    Session(tcp::socket socket, Verbs& verbs, const ServerOptions& options, std::uint16_t port, Verbs::Client client)
-        : verbs_(verbs), options_(options), port_(port), client_(client), stream_(std::move(socket)) {
+    Session(std::unique_ptr<net::io_context> context, tcp::socket socket, Verbs& verbs, const ServerOptions& options,
+            std::uint16_t port, Verbs::Client client)
+        : verbs_(verbs),
+          options_(options),
+          port_(port),
+          client_(client),
+          context_(std::move(context)),
+          stream_(std::move(socket)) {
         thread_ = std::thread([this] {
             try {
                 talk();
@@ -146,12 +156,33 @@ private:
             stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
                 response.set(http::field::sec_websocket_protocol, subprotocol);
             }));
-        stream_.accept(request);
+        // Whoever drives and hangs must not keep the outputs on. Libraries answer a ping by themselves.
+        stream_.set_option(websocket::stream_base::timeout{handshake_time, silence, true});
+        finish([&](auto done) { stream_.async_accept(request, std::move(done)); });
         for (Allowance allowance;;) {
             beast::flat_buffer message;
-            stream_.read(message);
+            finish([&](auto done) {
+                stream_.async_read(
+                    message, [done = std::move(done)](beast::error_code error, std::size_t) mutable { done(error); });
+            });
             take(message, allowance);
         }
+    }
+
+    /// Waits for what is begun, while pings come and go.
+    template <class Begin>
+    void finish(const Begin& begin) {
+        bool over = false;
+        beast::error_code error;
+        begin([&](beast::error_code found) {
+            over = true;
+            error = found;
+        });
+        while (!over) {
+            context_->restart();
+            context_->run_one();
+        }
+        if (error) throw beast::system_error(error);
     }
 
     void take(const beast::flat_buffer& message, Allowance& allowance) {
@@ -176,13 +207,18 @@ private:
 
     void send(const nlohmann::ordered_json& said) {
         stream_.text(true);
-        stream_.write(net::buffer(said.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+        const std::string text = said.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+        finish([&](auto done) {
+            stream_.async_write(net::buffer(text), [done = std::move(done)](beast::error_code error,
+                                                                            std::size_t) mutable { done(error); });
+        });
     }
 
     Verbs& verbs_;
     const ServerOptions& options_;
     std::uint16_t port_;
     Verbs::Client client_;
+    std::unique_ptr<net::io_context> context_;
     websocket::stream<tcp::socket> stream_;
     std::atomic<bool> over_ = false;
     std::atomic<Stage> stage_ = Stage::stranger;
@@ -199,21 +235,36 @@ bool has_room(std::list<Session>& sessions) {
     return true;
 }
 
-/// Takes what datagrams wait. What is wrong with one is printed, a line a second at most: its sender cannot be told.
-void take_datagrams(udp::socket& socket, Verbs& verbs, Clock::time_point& told) {
+/// Says what is wrong with datagrams, a line a second at most, because their senders cannot be told. Nobody is waited
+/// for: a stop may be next.
+class Complaints {
+public:
+    void tell(const std::string& trouble) {
+        constexpr std::size_t most_bytes = 400;  // of what may be a stranger's
+        if (Clock::now() - told_ < std::chrono::seconds(1)) return;
+        told_ = Clock::now();
+        write_within(STDERR_FILENO, printable("haptogram: " + trouble, most_bytes) + "\n");
+    }
+
+private:
+    Clock::time_point told_{};
+};
+
+/// Takes what datagrams wait.
+void take_datagrams(udp::socket& socket, Verbs& verbs, Complaints& complaints) {
     std::array<std::uint8_t, 65536> bytes{};
     for (boost::system::error_code error;;) {
         udp::endpoint from;
         const std::size_t count = socket.receive_from(net::buffer(bytes), from, 0, error);
-        if (error) return;
+        if (error) break;
         try {
-            for (const OscMessage& message : parse_osc({bytes.data(), count})) verbs.act(message);
+            for (const OscMessage& message : parse_osc({bytes.data(), count}))
+                verbs.act(message, Verbs::osc(from.address().to_v4().to_uint(), from.port()));
         } catch (const std::exception& trouble) {
-            if (Clock::now() - told < std::chrono::seconds(1)) continue;
-            fmt::print(stderr, "haptogram: a datagram from port {}: {}\n", from.port(), trouble.what());
-            told = Clock::now();
+            complaints.tell(fmt::format("a datagram from port {}: {}", from.port(), trouble.what()));
         }
     }
+    if (const std::string trouble = verbs.take_trouble(); !trouble.empty()) complaints.tell(trouble);
 }
 
 template <class Socket, class Protocol>
@@ -246,20 +297,25 @@ void run(Verbs& verbs, const ServerOptions& options, const std::function<void(st
     std::list<Session> sessions;
     std::array<pollfd, 2> waits{
         {{door.native_handle(), POLLIN, 0}, {options.osc_port != 0 ? datagrams.native_handle() : -1, POLLIN, 0}}};
-    Clock::time_point told{};
-    for (Verbs::Client next = Verbs::osc + 1; go_on();) {
+    Complaints complaints;
+    for (Verbs::Client next = 1; go_on();) {
         ::poll(waits.data(), waits.size(), look_ms);
-        if (options.osc_port != 0) take_datagrams(datagrams, verbs, told);
+        if (options.osc_port != 0) take_datagrams(datagrams, verbs, complaints);
         verbs.expire();
         for (Session& session : sessions)
             if (Clock::now() - session.since() > handshake_time) session.turn_away();
         sessions.remove_if([](const Session& session) { return session.over(); });
         boost::system::error_code error;
-        tcp::socket socket(context);
+        auto own = std::make_unique<net::io_context>(1);
+        tcp::socket socket(*own);
         door.accept(socket, error);
-        if (error) continue;
+        if (error) {
+            // There is somebody, and no descriptor for him: he is still there at once.
+            if (error != net::error::would_block) std::this_thread::sleep_for(std::chrono::milliseconds(look_ms));
+            continue;
+        }
         socket.non_blocking(false);
-        if (has_room(sessions)) sessions.emplace_back(std::move(socket), verbs, options, port, next++);
+        if (has_room(sessions)) sessions.emplace_back(std::move(own), std::move(socket), verbs, options, port, next++);
     }
 }
 

@@ -21,6 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr std::chrono::seconds osc_owns{1};  // after its last datagram
+constexpr std::size_t most_begun = 32;       // messages of datagrams that wait for the board
 constexpr std::string_view ending_verbs[] = {"stop", "shut_off", "leave"};
 
 const char* name_of(ErrorCode code) {
@@ -110,7 +111,58 @@ void Verbs::own(Client client) {
     if (!owner_) owner_ = client;
     if (owner_ != client)
         throw Error(ErrorCode::device, "board", "another client drives it; it is free when that one goes");
-    if (client == osc) last_osc_ = board_.clock().now();
+    if ((client & by_datagrams) != 0) last_osc_ = board_.clock().now();
+}
+
+Verbs::Verbs(link::BackgroundPlayer& board, PathMakers makers)
+    : board_(board), makers_(std::move(makers)), worker_([this] { work(); }) {}
+
+Verbs::~Verbs() {
+    {
+        const std::lock_guard lock(begun_mutex_);
+        over_ = true;
+    }
+    news_.notify_all();
+    worker_.join();
+}
+
+void Verbs::begin(std::function<void()> work) {
+    if (board_.state().connection != link::Connection::connected)
+        throw Error(ErrorCode::device, "board", "it is away; try again when the status says that it is connected");
+    const std::lock_guard lock(begun_mutex_);
+    if (begun_.size() == most_begun)
+        throw Error(ErrorCode::device, "board", "it has not done yet what it was asked for before");
+    begun_.push_back(std::move(work));
+    news_.notify_all();
+}
+
+void Verbs::forget_begun() {
+    const std::lock_guard lock(begun_mutex_);
+    begun_.clear();
+}
+
+void Verbs::work() {
+    for (;;) {
+        std::unique_lock lock(begun_mutex_);
+        news_.wait(lock, [this] { return over_ || !begun_.empty(); });
+        if (over_) return;
+        const std::function<void()> next = std::move(begun_.front());
+        begun_.pop_front();
+        lock.unlock();
+        std::string trouble;
+        try {
+            next();
+        } catch (const std::exception& error) {
+            trouble = error.what();
+        }
+        lock.lock();
+        if (!trouble.empty()) trouble_ = std::move(trouble);
+    }
+}
+
+std::string Verbs::take_trouble() {
+    const std::lock_guard lock(begun_mutex_);
+    return std::exchange(trouble_, {});
 }
 
 void Verbs::leave(Client client) {
@@ -118,6 +170,7 @@ void Verbs::leave(Client client) {
         const std::lock_guard lock(mutex_);
         if (owner_ != client) return;
     }
+    forget_begun();
     // Nobody else can begin anything before the outputs are off.
     try {
         board_.stop();
@@ -129,11 +182,13 @@ void Verbs::leave(Client client) {
 }
 
 void Verbs::expire() {
+    Client silent = 0;
     {
         const std::lock_guard lock(mutex_);
-        if (owner_ != osc || board_.clock().now() - last_osc_ <= osc_owns) return;
+        if (!owner_ || (*owner_ & by_datagrams) == 0 || board_.clock().now() - last_osc_ <= osc_owns) return;
+        silent = *owner_;
     }
-    leave(osc);
+    leave(silent);
 }
 
 void Verbs::set_focus(Client client, const Focus& focus) {
@@ -150,7 +205,7 @@ void Verbs::focus(std::span<const std::uint8_t> bytes, Client client) {
     set_focus(client, {{numbers[0], numbers[1], numbers[2]}, numbers[3]});
 }
 
-void Verbs::act(const OscMessage& message) {
+void Verbs::act(const OscMessage& message, Client sender) {
     const std::vector<double>& numbers = message.numbers;
     const auto need = [&](std::size_t least, std::size_t most) {
         if (numbers.size() < least || numbers.size() > most)
@@ -159,23 +214,24 @@ void Verbs::act(const OscMessage& message) {
     };
     if (message.address == "/haptogram/focus") {
         need(3, 4);
-        set_focus(osc, {{numbers[0], numbers[1], numbers[2]}, numbers.size() == 4 ? numbers[3] : 1.0});
+        set_focus(sender, {{numbers[0], numbers[1], numbers[2]}, numbers.size() == 4 ? numbers[3] : 1.0});
     } else if (message.address == "/haptogram/intensity") {
         need(1, 1);
-        own(osc);
-        board_.set_intensity(numbers[0]);
+        own(sender);
+        begin([this, factor = numbers[0]] { board_.set_intensity(factor); });
     } else if (message.address == "/haptogram/play") {
         need(0, 0);
-        own(osc);
-        board_.play({});
+        own(sender);
+        begin([this] { board_.play({}); });
     } else if (message.address == "/haptogram/live") {
         need(0, 0);
-        own(osc);
-        board_.play_live({});
+        own(sender);
+        begin([this] { board_.play_live({}); });
     } else if (message.address == "/haptogram/alive") {
         need(0, 0);
-        own(osc);
+        own(sender);
     } else if (message.address == "/haptogram/stop") {
+        forget_begun();
         board_.shut_off();
     } else {
         throw bad_argument(message.address,
@@ -240,7 +296,10 @@ Json Verbs::act(const Json& request, Client client) {
          })},
         {"intensity", true, {"factor"}, quietly([&] { board_.set_intensity(number_of(request, "factor")); })},
         {"stop", true, {}, quietly([&] { board_.stop(); })},
-        {"shut_off", false, {}, quietly([&] { board_.shut_off(); })},
+        {"shut_off", false, {}, quietly([&] {
+             forget_begun();
+             board_.shut_off();
+         })},
         {"status", false, {}, [&] { return status(); }},
         {"identify", false, {}, [&] { return identify(); }},
         {"leave", false, {}, quietly([&] { leave(client); })},

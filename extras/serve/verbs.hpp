@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "haptogram/format/bundle.hpp"
 #include "haptogram/link/background_player.hpp"
@@ -19,9 +24,15 @@ class Verbs {
 public:
     /// A client, by a number that no other has.
     using Client = std::uint64_t;
-    static constexpr Client osc = 0;  ///< all that come by datagrams, which say no more than that they come
+    /// Who sends datagrams is where they come from.
+    [[nodiscard]] static constexpr Client osc(std::uint32_t address, std::uint16_t port) {
+        return by_datagrams | Client{address} << 16 | port;
+    }
 
-    explicit Verbs(link::BackgroundPlayer& board, PathMakers makers = {}) : board_(board), makers_(std::move(makers)) {}
+    explicit Verbs(link::BackgroundPlayer& board, PathMakers makers = {});
+    Verbs(const Verbs&) = delete;
+    Verbs& operator=(const Verbs&) = delete;
+    ~Verbs();
 
     /// Answers {"do": VERB, …}; asyncapi.json has them. What fails is an answer, too.
     [[nodiscard]] nlohmann::ordered_json answer(const std::string& request, Client client);
@@ -29,8 +40,10 @@ public:
     [[nodiscard]] static bool ends(const std::string& request);
     /// Four doubles: x, y, z in metres, and the amplitude. @throws Error
     void focus(std::span<const std::uint8_t> bytes, Client client);
-    /// @throws Error
-    void act(const OscMessage& message);
+    /// Returns at once but for a stop, which waits for its confirmation. @throws Error
+    void act(const OscMessage& message, Client sender);
+    /// What went wrong with a message that act() had taken, once; empty when nothing has.
+    [[nodiscard]] std::string take_trouble();
     /// When the one that drives goes, the outputs go off.
     void leave(Client client);
     /// Who sends datagrams goes without a word: it has, when it has sent none for a second. To be called often.
@@ -38,11 +51,15 @@ public:
 
 private:
     using Json = nlohmann::ordered_json;
+    static constexpr Client by_datagrams = Client{1} << 63;
 
     Json act(const Json& request, Client client);
     Json compile(const Json& request);
     [[nodiscard]] Json identify() const;
     void own(Client client);
+    void begin(std::function<void()> work);
+    void forget_begun();
+    void work();
     void set_focus(Client client, const Focus& focus);
     [[nodiscard]] Json status() const;
 
@@ -52,6 +69,13 @@ private:
     std::optional<Client> owner_;
     link::Clock::Time last_osc_{};
     std::optional<Bundle> image_;
+    // What came by datagrams and takes a while: whoever reads them must be free for a stop.
+    std::mutex begun_mutex_;
+    std::condition_variable news_;
+    std::deque<std::function<void()>> begun_;
+    std::string trouble_;
+    bool over_ = false;
+    std::thread worker_;
 };
 
 /// An error as an answer: its code, its words, and the settings that could mend it.

@@ -7,8 +7,9 @@
    its size, which the caller sets, so that later versions can append to it; what the caller leaves zero has its default.
 
    A board has a thread of its own in the library, which connects again after a loss. Functions of a board may be called from
-   any thread. haptogram_set_focus never waits. Closing a board, or the end of the program, turns its outputs off; if the
-   program is killed, the board's watchdog does. */
+   any thread. haptogram_set_focus never waits. Closing a board turns its outputs off, and so does the end of the program
+   by return from main, exit or quick_exit. On Windows only closing does, on macOS not quick_exit. If the program ends in
+   another way (it is killed, it aborts, as C# does after an exception that nobody catches), the board's watchdog does. */
 #ifndef HAPTOGRAM_H
 #define HAPTOGRAM_H
 #include <stddef.h>
@@ -113,7 +114,8 @@ typedef struct haptogram_port {
 /* A rig is opened, uploaded, played, stopped and shut off as one board is; the rest is for one board alone. Of its boards,
    channels and counters are added up. */
 HAPTOGRAM_API haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** board);
-/* Turns the outputs off, and waits some two seconds at most for the board to confirm it. NULL is allowed. */
+/* Turns the outputs off, and waits some two seconds at most for the board to confirm it. NULL is allowed, and a board that is closed already. What
+   is asked of it afterwards, or is under way in another thread, fails. */
 HAPTOGRAM_API void haptogram_close(haptogram_board* board);
 
 typedef struct haptogram_identity {

@@ -7,13 +7,18 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <exception>
 #include <iterator>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -32,6 +37,9 @@
 #include "haptogram/verbs/rig.hpp"
 #include "haptogram/verbs/timeline.hpp"
 #include "reference_port.hpp"
+#ifndef _WIN32
+#include <unistd.h>
+#endif
 
 #ifdef HAPTOGRAM_HAS_PERCEPTION
 #include "haptogram/perception/magnitude.hpp"
@@ -50,13 +58,90 @@ struct haptogram_image {
     std::string manifest, warnings;
 };
 
-/// One of both: a board, or a rig's boards.
-struct haptogram_board {
-    std::unique_ptr<haptogram::link::BackgroundPlayer> one;
-    std::unique_ptr<haptogram::link::BackgroundRig> rig;
-};
+/// A name, and no more: its place in memory is never given away again, so that one that was closed is known as that.
+struct haptogram_board {};
 
 namespace {
+
+/// One of both: a board, or a rig's boards.
+struct Opened {
+    std::unique_ptr<haptogram::link::BackgroundPlayer> one;
+    std::unique_ptr<haptogram::link::BackgroundRig> rig;
+
+    void end() const {
+        if (one) one->end();
+        if (rig) rig->end();
+    }
+};
+
+/// All boards of this process. It is never destroyed, because other threads may be in a call when the program ends.
+class Boards {
+public:
+    static Boards& all() {
+        static Boards& boards = *new Boards;
+        return boards;
+    }
+
+    haptogram_board* add(std::shared_ptr<Opened> opened) {
+        const std::lock_guard lock(mutex_);
+        end_with_program();
+        opened_.emplace(&names_.emplace_back(), std::move(opened));
+        return &names_.back();
+    }
+    /// Whoever has it may use it, also while another thread closes it.
+    /// @throws Error{bad_argument} when it is none that is open
+    std::shared_ptr<Opened> find(const haptogram_board* board) {
+        if (board == nullptr) throw bad_argument("board", "is NULL");
+        const std::lock_guard lock(mutex_);
+        const auto found = opened_.find(board);
+        if (found == opened_.end()) throw bad_argument("board", "is closed, or was never opened");
+        return found->second;
+    }
+    /// @return nothing for one that is not open
+    std::shared_ptr<Opened> remove(const haptogram_board* board) {
+        const std::lock_guard lock(mutex_);
+        const auto found = opened_.extract(board);
+        return found.empty() ? nullptr : std::move(found.mapped());
+    }
+
+private:
+    Boards() = default;
+
+    /// Windows has ended all threads before it tells, so there is nobody left to switch off.
+    void end_with_program() {
+#ifndef _WIN32
+        if (std::exchange(process_, ::getpid()) == ::getpid()) return;
+        std::atexit([] { all().end(); });
+#ifndef __APPLE__
+        std::at_quick_exit([] { all().end(); });
+#endif
+#endif
+    }
+    /// All at the same time. The child of a fork has none of the threads, and leaves the boards to its parent.
+    void end() noexcept {
+#ifndef _WIN32
+        try {
+            std::vector<std::shared_ptr<Opened>> left;
+            {
+                const std::lock_guard lock(mutex_);
+                if (process_ != ::getpid()) return;
+                for (auto& [name, opened] : opened_) left.push_back(opened);
+            }
+            std::vector<std::thread> enders;
+            for (const auto& opened : left) enders.emplace_back([&opened] { opened->end(); });
+            for (std::thread& ender : enders) ender.join();
+        } catch (const std::exception&) {  // what is left is the watchdogs'
+        }
+#endif
+    }
+
+    std::mutex mutex_;
+    std::deque<haptogram_board> names_;
+    std::map<const haptogram_board*, std::shared_ptr<Opened>> opened_;
+#ifndef _WIN32
+    pid_t process_ = 0;  // that the program's end is heard of
+#endif
+};
 
 thread_local std::string last_error, last_remedies;
 
@@ -100,19 +185,20 @@ T& required(T* given, const char* name) {
 const char* required_text(const char* given, const char* name) { return &required(given, name); }
 
 /// For what a rig cannot do.
-haptogram::link::BackgroundPlayer& alone(haptogram_board* board, const char* what) {
-    if (!required(board, "board").one)
-        throw bad_argument(what, "a rig plays its own images alone; open one board for this");
-    return *board->one;
+std::shared_ptr<haptogram::link::BackgroundPlayer> alone(const haptogram_board* board, const char* what) {
+    const std::shared_ptr<Opened> opened = Boards::all().find(board);
+    if (!opened->one) throw bad_argument(what, "a rig plays its own images alone; open one board for this");
+    return {opened, opened->one.get()};
 }
 
 /// Does something with a board, or with a rig.
 template <class Work>
 void with(haptogram_board* board, const Work& work) {
-    if (required(board, "board").one)
-        work(*board->one);
+    const std::shared_ptr<Opened> opened = Boards::all().find(board);
+    if (opened->one)
+        work(*opened->one);
     else
-        work(*board->rig);
+        work(*opened->rig);
 }
 
 /// A struct as its caller knows it: what a later version appended is zero.
@@ -202,6 +288,11 @@ std::vector<Vec3> points_of(const double* numbers, std::size_t count) {
     return points;
 }
 
+void require_time(const char* name, double seconds) {
+    if (!std::isfinite(seconds) || seconds < 0.0)
+        throw bad_argument(name, fmt::format("found {}, expected seconds, 0 or more", seconds));
+}
+
 haptogram_playing known_playing(const haptogram_playing* given) {
     if (given == nullptr) return {};
     const haptogram_playing known = known_part(given, "playing");
@@ -210,6 +301,8 @@ haptogram_playing known_playing(const haptogram_playing* given) {
         throw bad_argument("stale_ms", fmt::format("found {}, expected −1 or more", known.stale_ms));
     if (known.watchdog_ms > 65535)
         throw bad_argument("watchdog_ms", fmt::format("found {}, expected at most 65535", known.watchdog_ms));
+    require_time("seconds", known.seconds);
+    require_time("step_s", known.step_s);
     return known;
 }
 
@@ -386,7 +479,7 @@ haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** boar
         const haptogram_port given = known_part(port, "port");
         required(board, "board") = nullptr;
         const auto baud = given.baud != 0 ? std::optional(given.baud) : std::nullopt;
-        auto opened = std::make_unique<haptogram_board>();
+        auto opened = std::make_shared<Opened>();
         if (given.rig != nullptr) {
             opened->rig = std::make_unique<haptogram::link::BackgroundRig>(given.rig, words_of(given.port), baud);
         } else {
@@ -395,15 +488,20 @@ haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** boar
             opened->one =
                 std::make_unique<haptogram::link::BackgroundPlayer>(haptogram::sim::opener_of(settings), patience);
         }
-        *board = opened.release();
+        *board = Boards::all().add(std::move(opened));
     });
 }
 
-void haptogram_close(haptogram_board* board) { delete board; }
+void haptogram_close(haptogram_board* board) {
+    guarded([&] {
+        if (const std::shared_ptr<Opened> opened = Boards::all().remove(board)) opened->end();
+    });
+}
 
 haptogram_code haptogram_identify(haptogram_board* board, haptogram_identity* identity) {
     return guarded([&] {
-        const haptogram_board& asked = required(board, "board");
+        const std::shared_ptr<Opened> opened = Boards::all().find(board);
+        const Opened& asked = *opened;
         give(identity, asked.one ? identity_of({asked.one->state().identity}) : identity_of(asked.rig->identities()),
              "identity");
     });
@@ -411,7 +509,8 @@ haptogram_code haptogram_identify(haptogram_board* board, haptogram_identity* id
 
 haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* status) {
     return guarded([&] {
-        const haptogram_board& asked = required(board, "board");
+        const std::shared_ptr<Opened> opened = Boards::all().find(board);
+        const Opened& asked = *opened;
         if (!asked.one) return give(status, status_of(asked.rig->statuses(), asked.rig->busy()), "status");
         const haptogram::link::DeviceState state = asked.one->state();
         const haptogram::link::BackgroundWork work = asked.one->work();
@@ -427,34 +526,37 @@ haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* st
 
 haptogram_code haptogram_upload(haptogram_board* board, const haptogram_image* image) {
     return guarded([&] {
-        if (image != nullptr) return alone(board, "image").upload(image->bundle);
-        if (!required(board, "board").rig) throw bad_argument("image", "is NULL");
-        board->rig->upload();
+        if (image != nullptr) return alone(board, "image")->upload(image->bundle);
+        const std::shared_ptr<Opened> opened = Boards::all().find(board);
+        if (!opened->rig) throw bad_argument("image", "is NULL");
+        opened->rig->upload();
     });
 }
 
 haptogram_code haptogram_play(haptogram_board* board, const haptogram_playing* playing) {
     return guarded([&] {
-        if (required(board, "board").one) return board->one->play(playing_alone(playing));
-        board->rig->play(playing_together(playing));
+        const std::shared_ptr<Opened> opened = Boards::all().find(board);
+        if (opened->one) return opened->one->play(playing_alone(playing));
+        opened->rig->play(playing_together(playing));
     });
 }
 
 haptogram_code haptogram_play_live(haptogram_board* board, const haptogram_playing* playing) {
-    return guarded([&] { alone(board, "live").play_live(playing_alone(playing)); });
+    return guarded([&] { alone(board, "live")->play_live(playing_alone(playing)); });
 }
 
 haptogram_code haptogram_set_focus(haptogram_board* board, double x_m, double y_m, double z_m, double amplitude) {
-    return guarded([&] { alone(board, "focus").set_focus({{x_m, y_m, z_m}, amplitude}); });
+    return guarded([&] { alone(board, "focus")->set_focus({{x_m, y_m, z_m}, amplitude}); });
 }
 
 haptogram_code haptogram_play_patterns(haptogram_board* board, const haptogram_playing* playing) {
-    return guarded([&] { alone(board, "patterns").play_patterns(playing_alone(playing)); });
+    return guarded([&] { alone(board, "patterns")->play_patterns(playing_alone(playing)); });
 }
 
 haptogram_code haptogram_put_patterns(haptogram_board* board, const uint16_t* words, size_t patterns, size_t* taken) {
     return guarded([&] {
-        haptogram::link::PatternQueue& queue = alone(board, "patterns").patterns();
+        const auto player = alone(board, "patterns");
+        haptogram::link::PatternQueue& queue = player->patterns();
         required(taken, "taken") = 0;
         *taken = queue.put({&required(words, "words"), patterns * queue.words()});
     });
@@ -462,7 +564,8 @@ haptogram_code haptogram_put_patterns(haptogram_board* board, const uint16_t* wo
 
 haptogram_code haptogram_set_pattern(haptogram_board* board, const uint16_t* words) {
     return guarded([&] {
-        haptogram::link::PatternQueue& queue = alone(board, "patterns").patterns();
+        const auto player = alone(board, "patterns");
+        haptogram::link::PatternQueue& queue = player->patterns();
         queue.set({&required(words, "words"), queue.words()});
     });
 }
@@ -484,7 +587,7 @@ haptogram_code haptogram_shut_off(haptogram_board* board) {
 }
 
 haptogram_code haptogram_set_intensity(haptogram_board* board, double factor) {
-    return guarded([&] { alone(board, "intensity").set_intensity(factor); });
+    return guarded([&] { alone(board, "intensity")->set_intensity(factor); });
 }
 
 haptogram_code haptogram_set_trigger(haptogram_board* board, const haptogram_trigger* trigger) {
@@ -496,20 +599,22 @@ haptogram_code haptogram_set_trigger(haptogram_board* board, const haptogram_tri
                                                     static_cast<int>(HAPTOGRAM_EVENT_MODULATION)));
         if (given.every_periods > 65535)
             throw bad_argument("every_periods", fmt::format("found {}, expected at most 65535", given.every_periods));
+        require_time("pulse_s", given.pulse_s);
+        require_time("settle_s", given.settle_s);
         settings.event = static_cast<haptogram::link::Event>(given.event);
         if (given.every_periods != 0) settings.every_periods = static_cast<std::uint16_t>(given.every_periods);
         if (given.pulse_s != 0.0) settings.pulse_s = given.pulse_s;
         settings.active_low = given.active_low != 0;
         settings.gates = given.gates != 0;
         settings.settle_s = given.settle_s;
-        alone(board, "trigger").ask([&](haptogram::link::Commands& device) { set_trigger(device, settings); });
+        alone(board, "trigger")->ask([&](haptogram::link::Commands& device) { set_trigger(device, settings); });
     });
 }
 
 haptogram_code haptogram_get_trigger_times(haptogram_board* board, haptogram_trigger_times* times) {
     return guarded([&] {
         haptogram::link::TriggerTimes found;
-        alone(board, "trigger").ask([&](haptogram::link::Commands& device) { found = trigger_times(device); });
+        alone(board, "trigger")->ask([&](haptogram::link::Commands& device) { found = trigger_times(device); });
         give(times, {0, found.out_count, found.in_count, found.now, found.out, found.in}, "times");
     });
 }

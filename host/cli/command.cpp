@@ -2,23 +2,29 @@
 #include "command.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/notice.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/settings.hpp"
 
 namespace haptogram::cli {
 
 void complain(const std::string& message) {
-    // Not fmt::print, which throws when stderr is closed.
-    std::fputs(fmt::format("haptogram: {}\n", message).c_str(), stderr);
+    // A reader that stalls must not keep a board's outputs on. It is waited for once.
+    static std::atomic<bool> stalls = false;
+    const std::string line = fmt::format("haptogram: {}\n", printable(message));
+    stalls = write_within(STDERR_FILENO, line, std::chrono::milliseconds(stalls ? 0 : 100)) < line.size();
 }
 
 void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {

@@ -4,15 +4,16 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <utility>
+
+#include "haptogram/base/notice.hpp"
 
 namespace haptogram::cli {
 
 ProgressLine::ProgressLine(std::string title) : title_(std::move(title)), on_terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 ProgressLine::~ProgressLine() {
-    if (drawn_) std::fputs("\r\033[K", stderr);
+    if (drawn_) write_within(STDERR_FILENO, "\r\033[K");
 }
 
 void ProgressLine::update(double fraction, const std::string& note) {
@@ -35,8 +36,7 @@ void ProgressLine::draw(const std::string& text) {
     if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
     drawn_ = true;
-    std::fputs(fmt::format("\r{} {}\033[K", title_, text).c_str(), stderr);
-    std::fflush(stderr);
+    write_within(STDERR_FILENO, fmt::format("\r{} {}\033[K", title_, printable(text)));
 }
 
 }  // namespace haptogram::cli

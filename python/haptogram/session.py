@@ -17,6 +17,7 @@ from .interface import (
     LINK_FIRST_TRIES,
     LINK_KEEP_ALIVE_MS,
     LINK_KEEP_ALIVE_SHARE,
+    LINK_LOST_MS,
     LINK_MOST_PATIENCE_MS,
     LINK_MOST_STRANGE,
     LINK_PATIENCE_MS,
@@ -69,6 +70,17 @@ class _Pending:
     reply: Reply | None = None
 
 
+class _Theirs(Exception):
+    """The number is that of a session which somebody else has begun, so the board takes an IDENTIFY for a late copy."""
+
+
+def _begins(reply: Reply) -> bool:
+    """Whether an answer to IDENTIFY says that the session is its own."""
+    if reply.status == Status.REPEATED:
+        return reply.expected == (reply.sequence + 1) % 256
+    return reply.status != Status.SESSION_ENDED
+
+
 class Session:
     """Once `stopped` says true, every exchange raises Interrupted and nothing more is sent; urge() does not ask it."""
 
@@ -90,7 +102,7 @@ class Session:
         self._next = random.randrange(256)  # number of the queue's first; so late answers to a program that was killed match nothing
         self._sent = self._farthest = 0  # of the queue, in this round and in any
         self._tries = self._strange = 0  # since the last progress
-        self._since = self._said = clock()  # of the last progress or round; of the last new frame
+        self._since = self._said = self._moved = clock()  # of the last progress or round; of the last new frame; of the last progress
         self._last_gap: float | None = None  # since the last progress
         self._in_doubt = True  # only a new session makes the numbers certain
         self._late = False  # something was sent again because no answer came, and what became of it is not known yet
@@ -101,7 +113,12 @@ class Session:
         self._next = self._number = (self._next + 128) % 256
         self._line.drain()
         self._line.write(b"\0")  # ends whatever half frame the line left
-        return self._exchange([Request(Command.IDENTIFY, answer=None)])[0].data
+        for _ in range(LINK_MOST_STRANGE):
+            try:
+                return self._exchange([Request(Command.IDENTIFY, answer=None)])[0].data
+            except _Theirs:
+                self._next = self._number = (self._number + 85) % 256
+        raise device_error(self._line.path, "the board begins no session; is another program at it?")
 
     def make_room(self, frame_bytes: int, live_depth: int) -> None:
         """Learns from the identity block how long a frame the board always has room for, and how many live entries."""
@@ -197,6 +214,10 @@ class Session:
             self._take(reply)
         if not self._queue:
             return
+        stuck = self._clock() - self._moved
+        if stuck >= max(LINK_LOST_MS / 1000, 2 * self.patience):
+            raise device_error(self._line.path, f"no answer to {self._queue[0].request.command.name.lower()} in {stuck:.0f} s; "
+                               "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
         if self._clock() - self._since >= self.patience:
             self._late = True
             self._send_again()
@@ -222,6 +243,9 @@ class Session:
         one = self._queue[place]
         if one.reply or reply.command != one.request.command:
             return
+        if one.request.command == Command.IDENTIFY and not _begins(reply):
+            self._forget()
+            raise _Theirs
         # What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.
         if reply.status == Status.SESSION_ENDED:
             self._forget()
@@ -269,6 +293,7 @@ class Session:
 
     def _progress(self) -> None:
         self._since = self._clock()
+        self._moved = self._since
         self._tries = self._strange = self._heard = 0
         self._last_gap = None
 

@@ -2,8 +2,9 @@
 //
 // Reads an image out of the FPGA's flash (SPI, mode 0, command 03h), once after each reset, because an SDRAM holds nothing at power-up.
 //
-// At FIRST there is a zero, then frames as a host sends them, then a zero more; anything else than a zero and a frame is no image. So what
-// checks a host's frames checks these, too: i_failed says that one was damaged or refused, and then no more are read.
+// At FIRST there is a zero, then frames as a host sends them, then two zeros more, because one would be made by a frame whose first byte is damaged;
+// anything else than a zero and a frame is no image. So what checks a host's frames checks these, too: i_failed says that one was damaged or
+// refused, and then no more are read.
 // o_valid strobes with a byte of the line, in the place of what comes from a host at i_valid (strobe), which ends the reading, as does i_ends. If that
 // cuts a frame, a zero takes the place of the host's byte: hosts begin with one.
 // o_active: it reads, or waits for what may come. o_read strobes at the end of a whole image, when all of its frames have been carried out.
@@ -43,6 +44,7 @@ module flash_image #(
     reg       begun_q;   // its first zero is here
     reg       some_q;    // and a byte of a frame
     reg       cut_q;     // a frame has begun and not ended
+    reg       end_q;     // no frame is between the last two zeros, so another must follow
     reg       ends_q, failed_q;
     reg [WAIT_BITS-1:0] count_q;
 
@@ -51,10 +53,12 @@ module flash_image #(
     wire is_zero  = byte_q == 8'd0;
     wire comes    = valid_q && o_active;
     wire no_image = comes && (begun_q ? is_zero && !some_q : !is_zero);
-    wire last     = comes && is_zero && !cut_q && some_q;
+    wire empty    = comes && is_zero && !cut_q && some_q;
+    wire last     = empty && end_q;
+    wire no_end   = comes && !is_zero && end_q;
     wire quits    = o_active && !begun_q && (i_valid || ends_q);
     wire endless  = comes && begun_q && !is_zero && full;
-    wire failed   = o_active && begun_q && (i_valid || ends_q || failed_q || endless);
+    wire failed   = o_active && begun_q && (i_valid || ends_q || failed_q || endless || no_end);
     wire whole    = o_active && state_q == SETTLE && bit_ends && full && !failed;
     // A frame that was cut is ended by a zero, because what follows is no part of it.
     assign o_valid = o_active && !no_image && (comes || (failed && cut_q));
@@ -84,6 +88,7 @@ module flash_image #(
         end
         if (comes) begin
             cut_q   <= !is_zero;
+            end_q   <= empty;
             count_q <= is_zero ? {WAIT_BITS{1'b0}} : count_q + ONE;
             begun_q <= 1'b1;
             some_q  <= some_q || (begun_q && !is_zero);
@@ -94,7 +99,7 @@ module flash_image #(
         if (whole || failed || no_image || quits) {o_active, o_cs_n} <= 2'b01;
         if (rst) begin
             {o_active, o_cs_n, o_state, state_q} <= {2'b11, `HG_FLASH_NONE, WAIT};
-            {phase_q, valid_q, begun_q, some_q, cut_q} <= 6'd0;
+            {phase_q, valid_q, begun_q, some_q, cut_q, end_q} <= 7'd0;
             {count_q, bit_q} <= 0;
         end
     end

@@ -391,6 +391,100 @@ def test_the_examples_compile_and_run(example, tmp_path):
     assert done.returncode == 0 and done.stdout, done.stderr
 
 
+ENDING = r"""
+#include <haptogram.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <sys/wait.h>
+int main(int count, char** words) {
+    const haptogram_focus focus = {0, 0, 0.15, 1.0};
+    const haptogram_path path = {.size = sizeof path, .foci = &focus, .steps = 1, .board = "tile-100-wide", .array = "tile-10x10"};
+    const haptogram_port port = {.size = sizeof port, .port = words[1]};
+    const haptogram_playing playing = {.size = sizeof playing, .loops = -1, .watchdog_ms = 60000};
+    haptogram_image* image;
+    haptogram_board* board;
+    haptogram_status status = {.size = sizeof status};
+    if (count != 3 || haptogram_compile_path(&path, &image) || haptogram_open(&port, &board) || haptogram_upload(board, image) ||
+        haptogram_play(board, &playing)) {
+        puts(haptogram_error());
+        return 1;
+    }
+    while (!status.enabled) haptogram_get_status(board, &status);
+    if (strcmp(words[2], "fork") == 0) {
+        if (fork() == 0) exit(0);
+        wait(NULL);
+        haptogram_get_status(board, &status);
+        return status.enabled ? 0 : 2;
+    }
+    if (strcmp(words[2], "exit") == 0) exit(0);
+    if (strcmp(words[2], "quick_exit") == 0) quick_exit(0);
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("how", ["return", "exit", "quick_exit", "fork"])
+def test_the_end_of_a_program_turns_its_outputs_off(tmp_path, how):
+    """The watchdog's minute is not over by then."""
+    (tmp_path / "ending.c").write_text(ENDING)
+    flags = ["-std=c11", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", *os.environ.get("HAPTOGRAM_CFLAGS", "").split()]
+    subprocess.run(["cc", *flags, "ending.c", "-o", "ending", LIBRARY], cwd=tmp_path, check=True)
+    served = Board([PROGRAM, "board", "run", "--json", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"], tmp_path)
+    try:
+        done = subprocess.run(["./ending", "board", how], cwd=tmp_path, capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})  # fmt: skip
+        assert done.returncode == 0, done.stdout
+        asked = subprocess.run([PROGRAM, "device", "status", "--port", "board", "--json"], cwd=tmp_path, capture_output=True, check=True)
+        found = json.loads(asked.stdout)
+        assert found["outputs"] == "off" and found["watchdog_trips"] == 0, found
+    finally:
+        served.end()
+
+
+def test_a_closed_board_is_known_as_that(c, live_image):
+    port = c.struct("port", port=b"reference:tile-100-wide")
+    handle = c.made(c.open, port)
+    c.ok(c.upload(handle, live_image))
+    c.ok(c.play(handle, ctypes.byref(c.struct("playing", loops=-1))))
+    ended = []
+
+    def wait():
+        while (code := c.wait(handle, 300000, None)) == 0:
+            pass
+        ended.append((code, c.error()))
+
+    waiters = [threading.Thread(target=wait, daemon=True) for _ in range(4)]
+    for waiter in waiters:
+        waiter.start()
+    until(lambda: status_of(c, handle).enabled)
+    closers = [threading.Thread(target=c.close, args=(handle,), daemon=True) for _ in range(3)]
+    for thread in closers:
+        thread.start()
+    for thread in closers + waiters:
+        thread.join(timeout=300)
+        assert not thread.is_alive()
+    assert len(ended) == 4
+    c.close(handle)
+    others = [c.made(c.open, port) for _ in range(3)]
+    c.fails(c.stop(handle), "BAD_ARGUMENT", "board: is closed")
+    c.fails(c.get_status(handle, ctypes.byref(c.struct("status"))), "BAD_ARGUMENT", "board: is closed")
+    c.fails(c.set_focus(handle, 0, 0, 0.15, 1), "BAD_ARGUMENT", "board: is closed")
+    c.fails(c.play(ctypes.c_void_p(4096), None), "BAD_ARGUMENT", "never opened")
+    for other in others:
+        c.close(other)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0])
+def test_times_that_are_none_are_refused(c, board, value):
+    for name in ("seconds", "step_s"):
+        for call in (c.play, c.play_live, c.play_patterns):
+            c.fails(call(board, ctypes.byref(c.struct("playing", **{name: value}))), "BAD_ARGUMENT", f"{name}: found")
+    for name in ("pulse_s", "settle_s"):
+        c.fails(c.set_trigger(board, ctypes.byref(c.struct("trigger", **{name: value}))), "BAD_ARGUMENT", f"{name}: found")
+
+
 KILLED = """
 import ctypes, sys, time
 sys.path.insert(0, sys.argv[1])

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from messages import notice
-from support import BAD_INPUT, USAGE, assert_one_message, read_json, refuse, run, succeed, text
+from support import BAD_INPUT, ROOT, USAGE, assert_one_message, read_json, refuse, run, succeed, text
 
 POINT = ("--shape", "point", "--center", "0,0,150")
 GRAM_FORCE = 9.80665  # mN
@@ -37,6 +37,17 @@ def radiation_pa(manifest, focus_mm, points_mm):
     p = manifest["transducer"]["source_pa_m"] * 2 * j1(ka) / ka / r * np.exp(1j * k * (r0 - r) - alpha * r)
     grazing = (np.abs((p[..., None] * way[..., :2] / r[..., None]).sum(axis=1)) ** 2).sum(axis=1)
     return (np.abs(p.sum(axis=1)) ** 2 - grazing) / (rho * c**2)
+
+
+def test_the_pages_about_safety_have_the_numbers_of_the_command(tmp_path):
+    """No mean of something that is off now and then: the loudest counts where somebody decides about ears."""
+    found = feel(tmp_path, "--focus", "0,0,100")
+    around, ear = (f"{level['most_db_spl']:.1f} dB" for level in (found["loudest_at_500_mm"], found["ears"][0]))
+    assert [found["array"], found["ears"][0]["at_mm"]] == ["tile-10x10", [0, -400, 300]]
+    for page in ("docs/build-one.md", "docs/README.md"):
+        said = (ROOT / page).read_text(encoding="utf-8")
+        assert f"p to {around}" in said and f"{ear} at the ear of a person" in said.replace("\n", " "), (page, around, ear)
+        assert not re.search(r"\b1[123]\d(\.\d)? dB", re.sub(f"{around}|{ear}|Limits are 110 dB", "", said)), page
 
 
 @pytest.mark.check

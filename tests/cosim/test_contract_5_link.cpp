@@ -155,6 +155,29 @@ TEST_CASE("contract 5: a frame sent again is acknowledged and not applied again"
     REQUIRE(bench.memory(interface::primary_base, 2) == words({1}));
 }
 
+TEST_CASE("contract 5: a late copy of IDENTIFY is answered and begins nothing", "[contract5]") {
+    Bench bench;
+    const Bytes identity = one(bench, 7, Command::identify, {}).data;
+    one(bench, 8, Command::write, words({0, 0, 1}));
+    one(bench, 9, Command::gate, words({100, 0, 0}));
+    const auto copy = [&](std::uint8_t expected) {
+        const auto reply = one(bench, 7, Command::identify, {});
+        REQUIRE(reply.status == Status::repeated);
+        REQUIRE(reply.expected == expected);
+        REQUIRE(reply.data == identity);
+    };
+    copy(10);
+    REQUIRE(one(bench, 9, Command::write, words({0, 0, 9})).status == Status::repeated);
+    std::uint8_t number = 10;
+    for (int i = 0; i < 600; ++i, ++number) {  // its number comes again
+        REQUIRE(one(bench, number, Command::keep_alive, {}).status == Status::ok);
+        if (i % 9 == 0 || static_cast<std::uint8_t>(number + 1) == 7) copy(static_cast<std::uint8_t>(number + 1));
+    }
+    REQUIRE(one(bench, 6, Command::identify, {}).expected == 7);
+    const auto in_order = one(bench, 7, Command::identify, {});
+    REQUIRE((in_order.status == Status::ok && in_order.expected == 8));
+}
+
 TEST_CASE("contract 5: after a reset nothing is acknowledged before the host identifies", "[contract5]") {
     const std::uint8_t number = GENERATE(std::uint8_t{5}, std::uint8_t{0}, std::uint8_t{200});
     Bench bench;

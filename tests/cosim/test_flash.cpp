@@ -77,7 +77,7 @@ TEST_CASE("flash: an image with a damaged byte does not play, and the board says
     for (int i = 0; i < 60; ++i) {
         Bytes flash = whole;
         const std::size_t place =
-            i == 0 ? flash.size() - 2 : random(g, 1, static_cast<std::uint32_t>(flash.size() - 2));
+            i == 0 ? flash.size() - 3 : random(g, 1, static_cast<std::uint32_t>(flash.size() - 1));
         flash[place] =
             static_cast<std::uint8_t>(flash[place] ^ (i % 3 == 0 ? 1U << random(g, 0, 7) : random(g, 1, 255)));
         CAPTURE(i, place, static_cast<int>(whole[place]), static_cast<int>(flash[place]));
@@ -89,10 +89,25 @@ TEST_CASE("flash: an image with a damaged byte does not play, and the board says
     }
 }
 
+TEST_CASE("flash: a frame whose first byte is damaged to a zero is not the image's end", "[flash]") {
+    Bench bench;
+    const Bytes whole = link::flash_image(three(), true, "image");
+    for (std::size_t place = 2; place + 2 < whole.size(); ++place) {
+        if (whole[place - 1] != 0) continue;
+        CAPTURE(place);
+        Bytes flash = whole;
+        flash[place] = 0;
+        bench.board.write_flash(first, flash);
+        bench.board.reset();
+        REQUIRE_FALSE(ever_on(bench, 60'000 + 32 * flash.size()));
+        REQUIRE(said(bench) == Flash::broken);
+    }
+}
+
 TEST_CASE("flash: an image that ends early does not play", "[flash]") {
     Bench bench;
     const Bytes whole = link::flash_image(three(), true, "image");
-    for (const std::size_t left : {whole.size() - 1, whole.size() - 2, whole.size() / 2}) {
+    for (const std::size_t left : {whole.size() - 1, whole.size() - 2, whole.size() - 3, whole.size() / 2}) {
         CAPTURE(left);
         bench.board.write_flash(first, Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(left)));
         bench.board.reset();
@@ -122,7 +137,7 @@ TEST_CASE("flash: a frame less among more than there are numbers is noticed", "[
         interface::sequence_header_field::autostart.set(sequence, 1);
         cut(pieces, interface::sequence_base, sequence, 40);
         for (const link::Piece& piece : pieces) add(Command::write, link::writing(piece).payload);
-        flash.push_back(0);
+        flash.insert(flash.end(), 2, 0);
         power_up(bench, flash);
         REQUIRE(bench.board.outputs().enabled != lost);
         REQUIRE(said(bench) == (lost ? Flash::broken : Flash::whole));

@@ -195,6 +195,25 @@ TEST_CASE("net safety: an IDENTIFY that was under way when the session ended beg
     CHECK(!network.bench->o_enabled);
 }
 
+TEST_CASE("net safety: a late copy of the IDENTIFY that began a session begins none when that has ended") {
+    Network network;
+    begin(network);
+    const unsigned first = network.next_number();
+    network.send(host, network.frames({Command::identify, Command::enable}));
+    network.run(100'000);
+    CHECK(network.bench->o_enabled);
+    network.send(stranger, disable_all, open_port);
+    network.run(50'000);
+    network.send(host, Network::again(first, Command::identify) + Network::again(first + 1, Command::enable));
+    network.run(100'000);
+    CHECK(network.replies.back().status == Status::session_ended);
+    CHECK(!network.bench->o_enabled);
+    const std::size_t now = network.replies.size();
+    network.send(host, network.frames({Command::identify, Command::enable}));
+    REQUIRE(network.answered(now + 2));
+    CHECK(network.bench->o_enabled);
+}
+
 TEST_CASE("net safety: of a datagram in which the PHY's clock stops for long, nothing is left") {
     Network network;
     begin(network);

@@ -22,7 +22,8 @@ class Board:
 
     path = "port"
 
-    def __init__(self, fate=lambda number, request: ""):
+    def __init__(self, fate=lambda number, request: "", session=None):
+        self.session, self.ended = session, False  # the number of the IDENTIFY that began it
         self.now = 0.0
         self.breaks = 0
         self.answer, self.level = 4, 0  # bytes of the data asked for; live entries
@@ -44,8 +45,9 @@ class Board:
         fate = self.fate(self.seen, command)
         if fate == "lost":
             return
-        if command == Command.IDENTIFY:
-            self.expected = sequence
+        copy = command == Command.IDENTIFY and sequence == self.session and self.expected is not None
+        if command == Command.IDENTIFY and not copy:
+            self.session = self.expected = sequence
         ahead = None if self.expected is None else (sequence - self.expected) % 256
         if fate == "refused" and ahead == 0:
             status = Status.BAD_ADDRESS
@@ -54,6 +56,8 @@ class Board:
             self.applied.append((command, payload))
         else:
             status = Status.OUT_OF_ORDER if ahead is None or ahead < 128 else Status.REPEATED
+        if copy and ahead != 0:
+            status = Status.SESSION_ENDED if self.ended else Status.REPEATED
         answer = reply(sequence, command, status, self.expected or 0, data=bytes(self.answer) if command in ASKING else b"", level=self.level)
         if fate == "late":
             self.late.setdefault(sequence, answer)
@@ -93,6 +97,29 @@ def test_all_in_order_and_once():
     assert len(client.exchange(WRITES * 20)) == 400  # the numbers come round
     assert board.written() == [r.payload for r in WRITES * 20]
     assert (client.retransmissions, board.now) == (0, 0)
+
+
+def test_a_link_is_lost_after_ten_seconds_however_long_the_patience_has_grown():
+    silent = False
+    board, client = begun(fate=lambda n, _: "lost" if silent else "")
+    client.patience = 2.0
+    silent = True
+    since = board.now
+    with pytest.raises(HaptogramError, match="no answer to write"):
+        client.exchange(WRITES)
+    assert 9.9 < board.now - since < 10.6
+
+
+@pytest.mark.parametrize("ended", [False, True])
+def test_a_number_that_began_somebody_elses_session_is_not_taken_twice(ended):
+    board = Board()
+    client = session.Session(board, clock=lambda: board.now)
+    first = (client._next + 128) % 256
+    board.session, board.expected, board.ended = first, (first + 20) % 256, ended
+    client.begin()
+    assert board.session == (first + 85) % 256
+    client.exchange(WRITES)
+    assert board.written() == [r.payload for r in WRITES]
 
 
 @pytest.mark.parametrize("fate", ["lost", "unanswered"])

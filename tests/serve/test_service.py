@@ -2,12 +2,15 @@
 """The service for other programs, as programs in other languages meet it: a WebSocket and OSC datagrams."""
 import asyncio
 import contextlib
+import fcntl
 import json
 import os
 import random
+import signal
 import socket
 import struct
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -51,31 +54,32 @@ def free_port():
 
 
 class Service:
-    def __init__(self, *options):
+    def __init__(self, *options, stderr=subprocess.DEVNULL):
         self.osc_port = free_port()
         self.process = subprocess.Popen([PROGRAM, "serve", "--port", "reference:tile-100-wide", "--osc", str(self.osc_port), "--json", *options],
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+                                        stdout=subprocess.PIPE, stderr=stderr, text=True)
         said = json.loads(self.process.stdout.readline())
         self.address, self.token = said["address"], said["token"]
         self.clients = []
+        self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def client(self):
         self.clients.append(Client(connect(self.address, additional_headers={"Authorization": f"Bearer {self.token}"})))
         return self.clients[-1]
 
-    def osc(self, address, *numbers):
+    def osc(self, address, *numbers, sender=None):
         def text(s):
             return s.encode() + b"\0" * (4 - len(s) % 4)
 
-        self.datagram(text(address) + text("," + "f" * len(numbers)) + struct.pack(f">{len(numbers)}f", *numbers))
+        self.datagram(text(address) + text("," + "f" * len(numbers)) + struct.pack(f">{len(numbers)}f", *numbers), sender)
 
-    def datagram(self, content):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
-            s.sendto(content, ("127.0.0.1", self.osc_port))
+    def datagram(self, content, sender=None):
+        (sender or self.sender).sendto(content, ("127.0.0.1", self.osc_port))
 
     def end(self):
         for client in self.clients:
             client.close()
+        self.sender.close()
         self.process.terminate()
         assert self.process.wait(timeout=300) == 0
 
@@ -245,6 +249,49 @@ def test_the_outputs_go_off_when_an_osc_sender_goes(service):
     client.until(enabled=True)
 
 
+def test_a_stranger_does_not_keep_alive_what_a_dead_osc_sender_played(service):
+    with driven_by_osc(service) as (client, _):
+        pass  # it is silent now
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        over = threading.Event()
+
+        def say_so():
+            while not over.wait(0.1):
+                service.osc("/haptogram/alive", sender=stranger)
+
+        sender = threading.Thread(target=say_so)
+        sender.start()
+        try:
+            client.until(enabled=False, busy=False)
+        finally:
+            over.set()
+            sender.join()
+
+
+def test_a_hung_client_that_drives_has_gone(service):
+    watcher = service.client()
+    code = (
+        "import asyncio, json, sys, websockets\n"
+        "async def run():\n"
+        "    s = await websockets.connect(sys.argv[1], extra_headers={'Authorization': 'Bearer ' + sys.argv[2]}, ping_interval=None)\n"
+        "    for ask in ({'do': 'compile', 'project': sys.argv[3]}, {'do': 'play', 'loops': 0}):\n"
+        "        await s.send(json.dumps(ask))\n"
+        "        assert json.loads(await s.recv())['ok']\n"
+        "    print('plays', flush=True)\n"
+        "    await asyncio.sleep(3600)\n"
+        "asyncio.run(run())\n"
+    )
+    owner = subprocess.Popen([sys.executable, "-c", code, service.address, service.token, PROJECT], stdout=subprocess.PIPE, text=True)
+    try:
+        assert owner.stdout.readline() == "plays\n"
+        watcher.until(enabled=True)
+        owner.send_signal(signal.SIGSTOP)
+        watcher.until(enabled=False, busy=False, owned=False)
+    finally:
+        owner.kill()
+        owner.communicate()
+
+
 def test_why_playing_has_ended_is_in_the_status(service):
     client = service.client()
     client.ok("live")  # there is no image of foci
@@ -341,6 +388,29 @@ def test_random_datagrams_and_messages_do_no_harm(service):
             client.socket.send(rng.randbytes(rng.randrange(31)))
     client.close()
     assert service.client().ok("status")["connected"]
+
+
+def test_a_strangers_datagrams_and_a_stderr_that_nobody_reads_hold_nothing_up():
+    reading, writing = os.pipe()
+    if hasattr(fcntl, "F_SETPIPE_SZ"):
+        fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, 4096)
+    service = Service(stderr=writing)
+    os.close(writing)
+    client = service.client()
+    client.ok("compile", project=PROJECT)
+    client.ok("play", loops=0)
+    client.until(enabled=True)
+    name = b"/\x1b]0;title\x07\x9b" + b"A" * 60000  # more than the pipe holds
+    for _ in range(30):
+        service.datagram(name + b"\0" * (4 - len(name) % 4) + b",\0\0\0")
+        service.datagram(b"bad" + b"A" * 50001)
+    service.osc("/haptogram/stop")  # it is behind all of them
+    client.until(enabled=False)
+    service.end()
+    said = os.read(reading, 1 << 20)
+    os.close(reading)
+    assert said.startswith(b"haptogram: a datagram from port ") and len(said) < 500
+    assert b"\\x1b]0;title\\x07\\x9bAAA" in said and not set(said[:-1]) & set(range(32)) - {10}
 
 
 def test_four_clients_at_once(service):

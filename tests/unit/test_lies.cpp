@@ -407,6 +407,48 @@ TEST_CASE("lies: a device that comes back and answers nothing more has not come 
     REQUIRE(board.time - begun < 2500ms);
 }
 
+TEST_CASE("lies: an upload of which one digest is never answered ends", "[link]") {
+    LyingBoard board;
+    const auto silent = GENERATE(0U, 7U, 30U);
+    unsigned digests = 0;
+    std::uint8_t number = 0;
+    board.lie = [&](Reply reply) {
+        if (reply.command == Command::identify) digests = 0;
+        if (reply.command != Command::digest) return std::vector{std::move(reply)};
+        if (digests++ == silent) number = reply.sequence;
+        return digests > silent && reply.sequence == number ? std::vector<Reply>{} : std::vector{std::move(reply)};
+    };
+    Image image;
+    image.channels = 100;
+    image.clock_hz = 50'000'000;
+    for (int i = 0; i < 60; ++i) image.records.push_back({1250, 1, 100, std::vector<std::uint16_t>(100, 1)});
+    image.sequence.push_back({1, 1});
+    const nanoseconds begun = board.time;
+    const auto connect = [&]() -> std::unique_ptr<Commands> {
+        auto client = std::make_unique<Client>(board);
+        client->identify();
+        return client;
+    };
+    REQUIRE_THROWS_WITH(upload(connect, image, {.image = "image", .port = "port", .wait_s = 15.0}),
+                        Contains("did not come back"));
+    REQUIRE(board.time - begun < 35s);
+}
+
+TEST_CASE("lies: a link is lost after ten seconds, however long the patience has grown", "[link]") {
+    LyingBoard board;
+    Client client(board);
+    client.identify();
+    board.late = [] { return nanoseconds(900ms); };
+    client.set_patience(300ms, 2s);
+    for (int i = 0; i < 3; ++i) client.request({Command::keep_alive, {}});
+    REQUIRE(client.slowness() > 2);
+    board.hears = [] { return false; };
+    const nanoseconds begun = board.time;
+    REQUIRE_THROWS_AS(client.request({Command::keep_alive, {}}), LinkLost);
+    CHECK((board.time - begun) / 1ms >= 9000);
+    CHECK((board.time - begun) / 1ms <= 11000);
+}
+
 TEST_CASE("lies: a rig whose master's count of periods stands still is told so, and can be interrupted", "[link]") {
     using interface::Feature;
     const auto features = static_cast<std::uint16_t>(15U | 1U << static_cast<unsigned>(Feature::schedule) |

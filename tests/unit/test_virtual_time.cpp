@@ -9,6 +9,7 @@
 #include "../virtual_clock.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/device_thread.hpp"
+#include "late_network.hpp"
 #include "timed_line.hpp"
 
 using namespace haptogram;
@@ -113,6 +114,70 @@ TEST_CASE("virtual time: outputs stay on for an hour on a line that loses one by
     INFO("longest silence " << device.longest_silence() / 1us << " us");
     CHECK(device.longest_silence() < watchdog);
     CHECK(channel->retransmissions() > 0);
+}
+
+TEST_CASE("virtual time: one late copy of IDENTIFY leaves the session as it is", "[link]") {
+    const std::chrono::milliseconds late = GENERATE(as<std::chrono::milliseconds>{}, 30, 100, 600);
+    VirtualClock clock;
+    FakeDevice device;
+    const auto copies = [late](std::span<const std::uint8_t> frame) -> std::optional<std::chrono::milliseconds> {
+        const auto bytes = link::cobs_decode(frame);
+        if (bytes && (*bytes)[1] == static_cast<std::uint8_t>(interface::Command::identify)) return late;
+        return {};
+    };
+    link::Client client(
+        std::make_unique<LateNetwork>(device, LateNetwork::Settings{.most_late = 1ms, .copies = copies}, clock));
+    client.identify();
+    client.enable();
+    for (int i = 0; i < 400; ++i) client.request({interface::Command::keep_alive, {}});  // its numbers come again
+    CHECK(clock.now() > 600us);
+    while (clock.now() < 1s) client.request({interface::Command::keep_alive, {}});
+    CHECK(device.enabled());
+}
+
+TEST_CASE("virtual time: on a network that delays by up to 50 ms a device that forgets the session is noticed",
+          "[link]") {
+    const auto seed = GENERATE(range(1U, 9U));
+    VirtualClock clock;
+    FakeDevice device;
+    link::Client client(
+        std::make_unique<LateNetwork>(device, LateNetwork::Settings{.most_late = 50ms, .seed = seed}, clock));
+    client.identify();
+    for (int i = 0; i < 20; ++i) client.request({interface::Command::keep_alive, {}});
+    device.reset();
+    const Clock::Time then = clock.now();
+    for (int i = 0; i < 7; ++i) client.submit({interface::Command::keep_alive, {}});
+    REQUIRE_THROWS_WITH(client.wait(), Catch::Contains("lost the session"));
+    CHECK(clock.now() - then < 3s);
+}
+
+TEST_CASE("virtual time: a number that began somebody else's session is not taken twice", "[link]") {
+    VirtualClock clock;
+    FakeDevice device;
+    link::Client first(std::make_unique<LateNetwork>(device, LateNetwork::Settings{}, clock));
+    first.begin_at(7);
+    first.identify();
+    first.request({interface::Command::keep_alive, {}});
+    link::Client second(std::make_unique<LateNetwork>(device, LateNetwork::Settings{}, clock));
+    second.begin_at(7);
+    second.identify();
+    second.enable();
+    CHECK(device.enabled());
+}
+
+TEST_CASE("virtual time: however many devices are silent, they are given up within two seconds of a signal", "[link]") {
+    VirtualClock clock;
+    FakeDevice devices[6];
+    std::vector<std::unique_ptr<link::Client>> clients;
+    std::vector<link::Client*> all;
+    for (FakeDevice& device : devices) {
+        clients.push_back(std::make_unique<link::Client>(
+            std::make_unique<TimedLine>(device, TimedLine::Settings{.lose_one_in = 1}, clock)));
+        clients.back()->set_interrupt([] { return 1U; });
+        all.push_back(clients.back().get());
+    }
+    CHECK(link::shut_off(all) == std::vector<bool>(6, false));
+    CHECK(clock.now() < 2s);
 }
 
 TEST_CASE("virtual time: a device is driven in steps, without a thread") {

@@ -49,15 +49,17 @@ public:
         const auto command = static_cast<Command>((*frame)[1]);
         const Bytes payload(frame->begin() + 2, frame->end() - 2);
         bite(when);
-        if (command == Command::identify) {
-            expected_ = sequence;
+        const bool copy = command == Command::identify && in_session_ && sequence == session_;
+        if (command == Command::identify && !copy) {
+            session_ = expected_ = sequence;
             in_session_ = true;
         }
         const auto ahead = static_cast<std::uint8_t>(sequence - expected_);
-        Status status = !in_session_ || (ahead != 0 && ahead < 128) ? Status::out_of_order
-                        : ahead != 0                                ? Status::repeated
-                        : refuses(command, payload)                 ? Status::bad_index
-                                                                    : Status::ok;
+        Status status = copy                                          ? Status::repeated
+                        : !in_session_ || (ahead != 0 && ahead < 128) ? Status::out_of_order
+                        : ahead != 0                                  ? Status::repeated
+                        : refuses(command, payload)                   ? Status::bad_index
+                                                                      : Status::ok;
         const bool acts_at_once = command == Command::disable || command == Command::stop;
         const bool applied = status == Status::ok;
         if (applied || acts_at_once) apply(command, payload, when);
@@ -184,7 +186,7 @@ private:
     Clock::Time alive_{}, off_at_{}, longest_silence_{};
     unsigned trips_ = 0;
     std::uint16_t watchdog_ms_ = 500;
-    std::uint8_t expected_ = 0;
+    std::uint8_t expected_ = 0, session_ = 0;  // the next frame's number, and that of the session's identify
     bool in_session_ = false, enabled_ = false;
 };
 

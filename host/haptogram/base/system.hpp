@@ -32,6 +32,8 @@ void close(int descriptor);
 
 /// Whether something, or the end, can be read within so long.
 [[nodiscard]] bool wait_to_read(int descriptor, std::chrono::milliseconds patience);
+/// Whether something can be written within so long. True where the system does not say.
+[[nodiscard]] bool wait_to_write(int descriptor, std::chrono::milliseconds patience);
 /// A pipe holds more after it, where the system allows that.
 void widen_pipe(int descriptor);
 

@@ -69,6 +69,11 @@ bool wait_to_read(int descriptor, std::chrono::milliseconds patience) {
     return ::poll(&wait, 1, static_cast<int>(patience.count())) > 0;
 }
 
+bool wait_to_write(int descriptor, std::chrono::milliseconds patience) {
+    pollfd wait{descriptor, POLLOUT, 0};
+    return ::poll(&wait, 1, static_cast<int>(patience.count())) > 0 && (wait.revents & POLLOUT) != 0;
+}
+
 void widen_pipe([[maybe_unused]] int descriptor) {
 #ifdef F_SETPIPE_SZ
     ::fcntl(descriptor, F_SETPIPE_SZ, 1 << 20);

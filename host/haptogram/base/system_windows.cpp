@@ -94,6 +94,7 @@ bool rename(const fs::path& from, const fs::path& to) {
     return false;
 }
 
+bool wait_to_write(int, std::chrono::milliseconds) { return true; }
 bool wait_to_read(int descriptor, std::chrono::milliseconds patience) {
     const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor));
     if (::GetFileType(handle) == FILE_TYPE_CHAR)

@@ -227,6 +227,7 @@ inline constexpr unsigned window = 16;
 inline constexpr unsigned patience_ms = 300;
 inline constexpr unsigned most_patience_ms = 10000;
 inline constexpr unsigned tries = 32;
+inline constexpr unsigned lost_ms = 10000;
 inline constexpr unsigned first_tries = 8;
 inline constexpr unsigned most_strange = 4;
 inline constexpr unsigned asking_bytes = 12;

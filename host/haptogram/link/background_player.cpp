@@ -33,7 +33,9 @@ BackgroundPlayer::BackgroundPlayer(std::function<std::unique_ptr<Transport>()> o
       device_({.open = std::move(open), .clock = clock}),
       patterns_(device_.channel(patience)->identity().channels, clock) {}
 
-BackgroundPlayer::~BackgroundPlayer() {
+BackgroundPlayer::~BackgroundPlayer() { end(); }
+
+void BackgroundPlayer::end() {
     device_.end();
     thread_.end();
 }

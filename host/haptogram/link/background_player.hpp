@@ -49,8 +49,9 @@ public:
                      Clock& clock = machine_clock());
     BackgroundPlayer(const BackgroundPlayer&) = delete;
     BackgroundPlayer& operator=(const BackgroundPlayer&) = delete;
-    /// Turns the outputs off, waiting some two seconds at most.
     ~BackgroundPlayer();
+    /// Turns the outputs off, waiting some two seconds at most. After it, whoever asks for anything is refused.
+    void end();
 
     [[nodiscard]] const Clock& clock() const { return clock_; }
     [[nodiscard]] DeviceState state() const { return device_.state(); }

@@ -20,7 +20,9 @@ BackgroundRig::BackgroundRig(const std::string& manifest, const std::vector<std:
     }
 }
 
-BackgroundRig::~BackgroundRig() { thread_.end(); }
+BackgroundRig::~BackgroundRig() { end(); }
+
+void BackgroundRig::end() { thread_.end(); }
 
 std::vector<std::optional<Status>> BackgroundRig::statuses() const {
     const std::lock_guard lock(mutex_);

@@ -25,8 +25,9 @@ public:
                   std::optional<std::uint32_t> baud);
     BackgroundRig(const BackgroundRig&) = delete;
     BackgroundRig& operator=(const BackgroundRig&) = delete;
-    /// Turns the outputs off.
     ~BackgroundRig();
+    /// Turns the outputs off. After it, nothing is to be asked for.
+    void end();
 
     /// Of each tile, as it said when this began.
     [[nodiscard]] const std::vector<Identity>& identities() const { return identities_; }

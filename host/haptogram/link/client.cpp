@@ -26,6 +26,12 @@ bool applied(const Reply& reply) {
     return reply.status == interface::Status::ok || reply.status == interface::Status::repeated;
 }
 
+/// Whether this answer to an identify says that the session is its own.
+bool begins(const Reply& reply) {
+    return reply.status == interface::Status::repeated ? reply.expected == static_cast<std::uint8_t>(reply.sequence + 1)
+                                                       : reply.status != interface::Status::session_ended;
+}
+
 /// These act whenever a copy of them arrives. So nothing may be under way behind them that a later copy would end.
 bool acts_at_once(Command command) { return command == Command::disable || command == Command::stop; }
 
@@ -92,8 +98,10 @@ void Client::exchange(std::chrono::microseconds at_most) {
         const std::chrono::microseconds passed = hear(slice, arrived);
         const bool quiet = heard_ == heard;
         waited_ = queue_.empty() ? std::chrono::microseconds(0) : waited_ + passed;
+        stuck_ = queue_.empty() ? std::chrono::microseconds(0) : stuck_ + passed;
         for (const Reply& reply : arrived) take(reply);
         if (waited_ >= patience_) begin_round(true);
+        require_progress();
         at_most -= passed;
         if (!quiet || at_most <= std::chrono::microseconds(0)) return;
     }
@@ -154,7 +162,7 @@ void Client::repeat(std::size_t place) {
 void Client::take(const Reply& reply) {
     const auto sent = std::ranges::find(on_line_, reply.sequence, &Sent::number);
     if (sent == on_line_.end()) return;  // an answer to an earlier user of the port
-    const bool of_this_round = sent->round == round_;
+    const bool of_this_round = sent->round == round_, since_first = sent->round > first_round_;
     on_line_.erase(on_line_.begin(), sent + 1);
     // An answer to a frame that has been sent again because none came shows that this was too early.
     if (applied(reply) && !of_this_round && round_is_late_) patience_ = std::min(2 * patience_, most_patience_);
@@ -162,15 +170,16 @@ void Client::take(const Reply& reply) {
     if (place >= std::min<std::size_t>(queue_.size(), transport_.window()) || queue_[place].reply ||
         reply.command != queue_[place].request.command)
         return;
+    if (reply.command == Command::identify && place == 0 && !begins(reply)) return begin_anew();
     // What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.
     if (reply.status == interface::Status::session_ended)
         lose("it has ended the session, as after anybody's DISABLE or a lost link, and its outputs are off");
     if (reply.status == interface::Status::out_of_order) {
-        if (!of_this_round) return;  // it has been sent again since
         // A frame before it was lost. But nothing comes before the first of the queue: the device has forgotten us.
-        if (place == 0 && ++strange_ > policy::most_strange)
+        if (place == 0 && (of_this_round || since_first) && ++strange_ > policy::most_strange)
             lose("it has lost the session, as after a reset; identify it again");
-        return send_again_soon();
+        if (of_this_round) send_again_soon();  // otherwise it has been sent again since
+        return;
     }
     if (reply.status == interface::Status::bad_length && (!of_this_round || ++strange_ <= policy::most_strange)) {
         // A bit of its end was damaged, which can add a zero to a frame and leave its CRC right.
@@ -233,9 +242,10 @@ void Client::pop() {
     if (queue_.front().keeps_alive) --kept_alive_;
     queue_.pop_front();
     first_again_ = false;
+    first_round_ = round_;
     tries_ = strange_ = 0;
     sent_again_ = false;
-    waited_ = std::chrono::microseconds(0);
+    waited_ = stuck_ = std::chrono::microseconds(0);
     heard_ = 0;
 }
 
@@ -276,6 +286,15 @@ void Client::begin_round(bool late) {
     transport_.write(Bytes{0});  // ends whatever half frame the line left
 }
 
+/// Rounds may be cut short or grow long, so how long nothing was acknowledged has a limit of its own.
+void Client::require_progress() {
+    const std::chrono::microseconds most =
+        std::max<std::chrono::microseconds>(std::chrono::milliseconds(policy::lost_ms), 2 * patience_);
+    if (queue_.empty() || stuck_ < most) return;
+    lose(fmt::format("no answer to {} in {:.0f} s; {}", to_string(queue_.front().request.command),
+                     1e-6 * static_cast<double>(stuck_.count()), transport_.why_silent()));
+}
+
 /// An answer has shown that something was lost. At most once within a patience, or a line that always loses the same
 /// would be flooded.
 void Client::send_again_soon() {
@@ -311,7 +330,7 @@ void Client::forget() {
     tries_ = strange_ = 0;
     sent_again_ = false;
     heard_ = 0;
-    waited_ = std::chrono::microseconds(0);
+    waited_ = stuck_ = std::chrono::microseconds(0);
 }
 
 void Client::make_ready() {
@@ -331,6 +350,18 @@ void Client::begin(std::function<void()> begun) {
         most_asking_ = std::max<std::size_t>(1, identity_.frame_bytes / policy::asking_bytes);
         if (begun) begun();
     });
+}
+
+/// A device begins no session with the number of the one that it has or that has ended, which somebody else may have
+/// begun: it takes that for a late copy.
+void Client::begin_anew() {
+    if (++strange_ > policy::most_strange) lose("it begins no session; is another program at it?");
+    constexpr std::uint8_t far = 85;
+    next_ = static_cast<std::uint8_t>(next_ + far);
+    session_ = next_;
+    on_line_.clear();
+    sent_ = farthest_ = 0;
+    ++round_;
 }
 
 Identity Client::identify() {
@@ -357,6 +388,7 @@ void Client::shut_off() {
 }
 
 void Client::say_off() {
+    off_->said = clock().now();
     transport_.write(Bytes{0});  // ends whatever half frame the line left
     transport_.write(encode_request(off_->number, Command::disable, {}));
     transport_.write(encode_request(static_cast<std::uint8_t>(off_->number + 1), Command::stop, {}));
@@ -381,6 +413,8 @@ void Client::listen_for_off(std::chrono::microseconds at_most) {
     std::vector<Reply> arrived;
     const std::chrono::microseconds patience = heeded_ ? least_patience_ : patience_;
     waited_ += hear(std::min({at_most, patience, std::chrono::microseconds(longest_listen)}), arrived);
+    // Other devices may be listened to in turn.
+    waited_ = std::max(waited_, std::chrono::duration_cast<std::chrono::microseconds>(clock().now() - off_->said));
     for (const Reply& reply : arrived) {
         off_->disabled |= reply.command == Command::disable && reply.sequence == off_->number;
         off_->stopped |=

@@ -103,6 +103,7 @@ private:
         bool disabled = false, stopped = false;
         unsigned rounds = 0;
         bool broken = false;  ///< a break was sent
+        Clock::Time said{};
     };
 
     /// Whether an answer with data is still to come.
@@ -123,6 +124,8 @@ private:
     void finish_answered();
     void finish(const Reply& reply);
     void begin_round(bool late);
+    void begin_anew();
+    void require_progress();
     void send_again_soon();
     [[noreturn]] void lose(const std::string& why);
     void forget();
@@ -144,6 +147,7 @@ private:
     std::size_t farthest_ = 0;                                               // of the queue, in any
     std::deque<Sent> on_line_;
     unsigned round_ = 0;          // a new one begins when frames are sent again
+    unsigned first_round_ = 0;    // in which the queue's first became that
     bool round_is_late_ = false;  // it began because nothing was answered
     unsigned tries_ = 0, strange_ = 0;
     bool sent_again_ = false;  // for an answer that showed a loss, within this patience
@@ -153,6 +157,7 @@ private:
     std::chrono::microseconds most_patience_ = std::max<std::chrono::microseconds>(
         patience_, std::chrono::milliseconds(interface::link_policy::most_patience_ms));
     std::chrono::microseconds waited_{0};  // since a request was finished or sent again
+    std::chrono::microseconds stuck_{0};   // since a request was finished
     std::uint64_t heard_ = 0;              // bytes since a request was finished
     std::uint64_t retransmissions_ = 0, answers_ = 0;
     std::optional<Off> off_;

@@ -42,6 +42,8 @@ std::vector<Piece> unread_pieces_of(const Image& image) {
     return pieces;
 }
 
+constexpr double compared = 0.05, written = 0.95;  // about the time that each step takes of the whole
+
 /// Over and over, from the first sample on.
 Request played(const SampledModulation& modulation) {
     return modulate_request(modulation.divider, static_cast<std::uint16_t>(modulation.samples.size()), true);
@@ -102,7 +104,6 @@ std::optional<std::vector<Request>> UploadSteps::next(const std::vector<Reply>& 
 }
 
 Progress UploadSteps::part(const Progress& progress) const {
-    constexpr double compared = 0.05, written = 0.95;  // about the time that each takes of the whole
     if (step_ == Step::compares) return progress.between(0.0, compared);
     if (step_ == Step::writes) return progress.between(compared, written);
     if (step_ == Step::compares_again) return progress.between(written, 1.0);
@@ -157,7 +158,7 @@ Bytes flash_image(const Image& image, bool autostart, const std::string& where) 
         add(writing(piece));
     }
     if (image.modulation) add(played(*image.modulation));
-    bytes.push_back(0);
+    bytes.insert(bytes.end(), 2, 0);
     if (bytes.size() > interface::flash_image::bytes)
         throw bad_input(where,
                         fmt::format("it takes {} bytes of the board's flash, which has room for {}; leave some records "
@@ -240,8 +241,14 @@ UploadReport upload(const Connect& connect, const Image& image, const UploadSett
     UploadReport report{.records = image.record_count(), .sequence_entries = image.sequence.size()};
     // A device that comes back, and then answers nothing, has not come back.
     Clock::Time answered = clock.now();
+    // Neither has one with which an upload comes no farther each time. What was written need not be written again, but
+    // what was compared is.
+    double farthest[2] = {};
     const Progress progress([&](double fraction, std::string_view stage) {
-        answered = clock.now();
+        const bool writes = fraction > compared && fraction < written;
+        double& before = farthest[fraction < written ? 0 : 1];
+        if (writes || fraction > before) answered = clock.now();
+        if (!writes) before = std::max(before, fraction);
         settings.progress(fraction, stage);
         return true;
     });

@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/notice.hpp"
 #include "haptogram/verbs/trigger_reader.hpp"
 
 namespace haptogram {
@@ -69,9 +70,9 @@ LineOutput::~LineOutput() {
 }
 
 bool LineOutput::send(const std::string& text) {
-    const ssize_t sent = ::write(descriptor_, text.data(), text.size());
-    rest_ = sent < 0 ? "" : text.substr(static_cast<std::size_t>(sent));
-    return sent >= 0;
+    const std::size_t sent = write_within(descriptor_, text);
+    rest_ = sent == 0 ? "" : text.substr(sent);
+    return sent > 0;
 }
 
 void LineOutput::write(const std::string& line) {
