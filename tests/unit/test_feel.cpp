@@ -229,24 +229,24 @@ TEST_CASE("spectrum: lines beside the plain sum", "[feel]") {
 TEST_CASE("felt: thresholds of vibration, and what they rest on", "[feel]") {
     const Tables tables = find_tables();
     const double square = 4.0 / pi * gram_force_n;  // the fundamental over the mean of a square wave of 50 %
-    CHECK(least_vibration(tables, Region::palm, 200.0, 1.0).force_n == Approx(0.05903 * square));
-    CHECK(least_vibration(tables, Region::palm, 80.0, 1.0).force_n == Approx(0.06903 * square));
-    CHECK(least_vibration(tables, Region::finger, 300.0, 10.0).force_n == Approx(0.1161 * square));
-    CHECK(least_vibration(tables, Region::palm, 200.0, 1.0).basis == Basis::tables);
+    CHECK(least_vibration(tables, perception::Region::palm, 200.0, 1.0).force_n == Approx(0.05903 * square));
+    CHECK(least_vibration(tables, perception::Region::palm, 80.0, 1.0).force_n == Approx(0.06903 * square));
+    CHECK(least_vibration(tables, perception::Region::finger, 300.0, 10.0).force_n == Approx(0.1161 * square));
+    CHECK(least_vibration(tables, perception::Region::palm, 200.0, 1.0).basis == Basis::tables);
     // The displacement curve has 40 dB a decade below 250 Hz and above 300 Hz, and is flat at 12.5 dB up to 40 Hz.
-    const LeastForce at_50 = least_vibration(tables, Region::palm, 50.0, 1.0);
+    const LeastForce at_50 = least_vibration(tables, perception::Region::palm, 50.0, 1.0);
     CHECK(at_50.basis == Basis::displacement);
     CHECK(at_50.force_n / (0.06903 * square) == Approx(std::pow(80.0 / 50.0, 2.0)));
-    CHECK(least_vibration(tables, Region::palm, 400.0, 1.0).force_n / (0.06903 * square) ==
+    CHECK(least_vibration(tables, perception::Region::palm, 400.0, 1.0).force_n / (0.06903 * square) ==
           Approx(std::pow(400.0 / 300.0, 2.0)));
-    CHECK(least_vibration(tables, Region::palm, 12.0, 1.0).force_n ==
-          Approx(least_vibration(tables, Region::palm, 30.0, 1.0).force_n));
-    CHECK(least_vibration(tables, Region::palm, 9.0, 1.0).basis == Basis::none);
-    CHECK(least_vibration(tables, Region::palm, 1001.0, 1.0).basis == Basis::none);
-    CHECK_REFUSED(least_vibration(tables, Region::palm, 200.0, 0.5));
+    CHECK(least_vibration(tables, perception::Region::palm, 12.0, 1.0).force_n ==
+          Approx(least_vibration(tables, perception::Region::palm, 30.0, 1.0).force_n));
+    CHECK(least_vibration(tables, perception::Region::palm, 9.0, 1.0).basis == Basis::none);
+    CHECK(least_vibration(tables, perception::Region::palm, 1001.0, 1.0).basis == Basis::none);
+    CHECK_REFUSED(least_vibration(tables, perception::Region::palm, 200.0, 0.5));
 
     const std::vector<Line> lines = {{0.0, 1.0}, {5.0, 1.0}, {50.0, 2e-3}, {200.0, 2e-3}, {1100.0, 1.0}};
-    const Felt felt = felt_of(lines, tables, Region::palm, 1.0);
+    const Felt felt = felt_of(lines, tables, perception::Region::palm, 1.0);
     REQUIRE(felt.lines.size() == 2);
     CHECK(felt.lines[0].hz == 200.0);
     CHECK(felt.lines[0].over_db == Approx(20.0 * std::log10(2e-3 / (0.05903 * square))));
@@ -255,10 +255,10 @@ TEST_CASE("felt: thresholds of vibration, and what they rest on", "[feel]") {
     const double gf = 2e-3 / square, place = std::log(200.0 / 180.0) / std::log(240.0 / 180.0);
     const double low = -12.46 * gf * gf + 20.88 * gf - 0.1070, high = -9.518 * gf * gf + 12.93 * gf + 0.1897;
     CHECK(*felt.magnitude == Approx(std::lerp(low, high, place)));
-    CHECK_SAID(felt_of(std::vector<Line>{{200.0, 1e-5}}, tables, Region::palm, 1.0).no_magnitude);
-    CHECK_SAID(felt_of(std::vector<Line>{{50.0, 1e-3}}, tables, Region::palm, 1.0).no_magnitude);
-    CHECK_SAID(felt_of(std::vector<Line>{{200.0, 1.0}}, tables, Region::palm, 1.0).no_magnitude);
-    CHECK_SAID(felt_of(lines, tables, Region::finger, 1.0).no_magnitude);
+    CHECK_SAID(felt_of(std::vector<Line>{{200.0, 1e-5}}, tables, perception::Region::palm, 1.0).no_magnitude);
+    CHECK_SAID(felt_of(std::vector<Line>{{50.0, 1e-3}}, tables, perception::Region::palm, 1.0).no_magnitude);
+    CHECK_SAID(felt_of(std::vector<Line>{{200.0, 1.0}}, tables, perception::Region::palm, 1.0).no_magnitude);
+    CHECK_SAID(felt_of(lines, tables, perception::Region::finger, 1.0).no_magnitude);
 }
 
 TEST_CASE("skin waves: the deflection under a moving focus", "[feel]") {
