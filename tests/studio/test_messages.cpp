@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 
+#include "haptogram/base/depth.hpp"
 #include "http.hpp"
 #include "messages.hpp"
 
@@ -247,6 +248,11 @@ TEST_CASE("studio messages: one as long as the server takes is refused at once, 
         REQUIRE(deep.size() <= most_message_bytes);
         CHECK_THROWS_WITH(read_message(deep), Contains("deep"));
     }
+    const auto nested = [&](std::size_t depth) {  // in the message and its document
+        return document(R"("a":)" + repeated("[", depth - 2) + repeated("]", depth - 2));
+    };
+    CHECK_NOTHROW(read_message(nested(most_nested)));
+    CHECK_THROWS_WITH(read_message(nested(most_nested + 1)), Contains("more than 64 deep"));
     std::string names = R"("a":1)";
     for (int i = 0; names.size() < most_message_bytes - 100; ++i) names += ",\"" + std::to_string(i) + "\":1";
     CHECK_THROWS_WITH(read_message(document(names)), Contains("more than 4000 members"));
