@@ -7,6 +7,7 @@
 #include <random>
 
 #include "../refusal.hpp"
+#include "haptogram/base/depth.hpp"
 #include "http.hpp"
 #include "messages.hpp"
 
@@ -238,6 +239,11 @@ TEST_CASE("studio messages: one as long as the server takes is refused at once, 
         REQUIRE(deep.size() <= most_message_bytes);
         CHECK_REFUSED(read_message(deep));
     }
+    const auto nested = [&](std::size_t depth) {  // in the message and its document
+        return document(R"("a":)" + repeated("[", depth - 2) + repeated("]", depth - 2));
+    };
+    CHECK_NOTHROW(read_message(nested(most_nested)));
+    CHECK_REFUSED(read_message(nested(most_nested + 1)));
     std::string names = R"("a":1)";
     for (int i = 0; names.size() < most_message_bytes - 100; ++i) names += ",\"" + std::to_string(i) + "\":1";
     CHECK_REFUSED(read_message(document(names)));

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "haptogram/base/depth.hpp"
 #include "haptogram/shape/place.hpp"
 
 namespace haptogram::studio {
@@ -128,22 +129,14 @@ private:
 /// the stack of whoever copies them, and names by the thousand, each of which is compared with all before it. A text
 /// that is no JSON may pass; the parser refuses it.
 void require_modest(std::string_view text) {
-    std::size_t depth = 0, members = 0;
+    require_shallow(text, "message");
+    std::size_t members = 0;
     bool quoted = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
-        const char each = text[i];
-        if (each == '"') quoted = !quoted;
-        if (quoted) {
-            if (each == '\\') ++i;
-        } else if (each == '{' || each == '[') {
-            if (++depth > most_depth)
-                throw bad_input("message", fmt::format("its lists and objects are more than {} deep", most_depth));
-        } else if (each == '}' || each == ']') {
-            depth -= depth > 0 ? 1 : 0;
-        } else if (each == ':') {
-            if (++members > most_members)
-                throw bad_input("message", fmt::format("it has more than {} members; take fewer shapes", most_members));
-        }
+        if (text[i] == '"') quoted = !quoted;
+        if (quoted && text[i] == '\\') ++i;
+        if (!quoted && text[i] == ':' && ++members > most_members)
+            throw bad_input("message", fmt::format("it has more than {} members; take fewer shapes", most_members));
     }
 }
 

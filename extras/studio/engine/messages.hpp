@@ -183,7 +183,6 @@ using Message =
                  UploadMessage, PlayMessage, TriggerMessage, StreamMessage, IntensityMessage, ModulateMessage,
                  StudiesMessage, StudyMessage, LiveMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
-inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most
 
 /// Reads a message. A member that is missing, of another type, or unknown is an error, because page and server are
