@@ -10,8 +10,8 @@
 
 namespace haptogram::sim {
 
-/// The parameters block: what a host writes in a clock is there from the next one on (rtl/amplitudes/parameter_registers.v). Its
-/// registers have fewer bits than a word, and no reset.
+/// The parameters block: what a host writes in a clock is there from the next one on
+/// (rtl/amplitudes/parameter_registers.v). Its registers have fewer bits than a word, and no reset.
 class Settings {
 public:
     explicit Settings(std::uint32_t period_clocks) {

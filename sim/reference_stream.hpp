@@ -11,8 +11,8 @@
 
 namespace haptogram::sim {
 
-/// A pattern for each carrier period (rtl/time/pattern_stream.v, rtl/time/pattern_slots.v): which wait, what becomes of one that
-/// comes, and what a period plays. Clocks must be asked for in their order.
+/// A pattern for each carrier period (rtl/time/pattern_stream.v, rtl/time/pattern_slots.v): which wait, what becomes of
+/// one that comes, and what a period plays. Clocks must be asked for in their order.
 class PatternStream {
 public:
     using Words = std::array<std::uint16_t, interface::stream_words>;

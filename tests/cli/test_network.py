@@ -147,7 +147,7 @@ def test_one_peer_holds_it_and_anybody_turns_it_off(tmp_path, image):
     with net_board(tmp_path) as board:
         succeed(["upload", image, "--port", board.port])
         with playing(board):
-            for command in ("info", ("enable",)):
+            for command in ("info", "enable"):
                 assert_one_message(until(lambda: answered("device", command, "--port", board.port)), DEVICE)
             assert board.enabled
             succeed(["device", "disable", "--port", board.port])

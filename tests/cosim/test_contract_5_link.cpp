@@ -169,7 +169,7 @@ TEST_CASE("contract 5: a late copy of IDENTIFY is answered and begins nothing", 
     copy(10);
     REQUIRE(one(bench, 9, Command::write, words({0, 0, 9})).status == Status::repeated);
     std::uint8_t number = 10;
-    for (int i = 0; i < 600; ++i, ++number) {  // its number comes again
+    for (int i = 0; i < 280; ++i, ++number) {  // its number comes again
         REQUIRE(one(bench, number, Command::keep_alive, {}).status == Status::ok);
         if (i % 9 == 0 || static_cast<std::uint8_t>(number + 1) == 7) copy(static_cast<std::uint8_t>(number + 1));
     }

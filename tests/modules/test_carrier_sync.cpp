@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/time/carrier_sync.v, sync_number.v and period_count.v of one master and three slaves with clocks of their own. What is
-// compared are numbers of periods, each in the middle of a period of its board.
+// rtl/time/carrier_sync.v, sync_number.v and period_count.v of one master and three slaves with clocks of their own.
+// What is compared are numbers of periods, each in the middle of a period of its board.
 #include "sync_boards.hpp"
 
 namespace {

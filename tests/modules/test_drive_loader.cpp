@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/amplitudes/drive_loader.v with a memory that the test drives: when a record's words are complete, what they are, and where a
-// focus record is looked for.
+// rtl/amplitudes/drive_loader.v with a memory that the test drives: when a record's words are complete, what they are,
+// and where a focus record is looked for.
 #include <Vdrive_loader.h>
 
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/amplitudes/drive_player.v with a memory and a source of entries that the test drives by itself: records of amplitudes and of
-// timings in every order, and preempts at any clock. Every pulse at the pins is compared with the host's model, to the
-// clock.
+// rtl/amplitudes/drive_player.v with a memory and a source of entries that the test drives by itself: records of
+// amplitudes and of timings in every order, and preempts at any clock. Every pulse at the pins is compared with the
+// host's model, to the clock.
 #include <Vdrive_player.h>
 
 #include <deque>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/amplitudes/emission.v against the host's model, word for word, with random settings in each period. What the model itself
-// computes is held against double precision in tests/unit/test_emission.cpp.
+// rtl/amplitudes/emission.v against the host's model, word for word, with random settings in each period. What the
+// model itself computes is held against double precision in tests/unit/test_emission.cpp.
 #include <Vemission.h>
 
 #include <algorithm>

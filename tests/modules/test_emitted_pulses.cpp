@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// 100 channels at 1,250 ticks a cycle: the words of the host's model of rtl/amplitudes/emission.v are committed in every cycle,
-// and what the pins then do is measured as an instrument would: edges, and the 40 kHz component by its Fourier sum.
+// 100 channels at 1,250 ticks a cycle: the words of the host's model of rtl/amplitudes/emission.v are committed in
+// every cycle, and what the pins then do is measured as an instrument would: edges, and the 40 kHz component by its
+// Fourier sum.
 #include <Vwidth_pulse_generators.h>
 
 #include <algorithm>

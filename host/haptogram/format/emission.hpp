@@ -46,9 +46,9 @@ struct EmissionPeriod {
     SlewLimit slew{};
 };
 
-/// The words that rtl/amplitudes/emission.v gives to the pulse generators, equal to the bit. It keeps each channel's place for the
-/// slew limiter, so the periods must be computed in their order. At first, and behind a raw period, a limit starts from
-/// silence: from amplitude 0, with every phase where it is to be.
+/// The words that rtl/amplitudes/emission.v gives to the pulse generators, equal to the bit. It keeps each channel's
+/// place for the slew limiter, so the periods must be computed in their order. At first, and behind a raw period, a
+/// limit starts from silence: from amplitude 0, with every phase where it is to be.
 class EmissionModel {
 public:
     /// @param channels     at least 1

@@ -11,7 +11,8 @@
 
 namespace haptogram {
 
-// The FPGA's focus engine (rtl/amplitudes/focus_engine.v): the words that it takes, and the words that it gives, to the last bit.
+// The FPGA's focus engine (rtl/amplitudes/focus_engine.v): the words that it takes, and the words that it gives, to the
+// last bit.
 
 inline constexpr double focus_unit_m = millimetre / 128.0;  ///< in which the engine counts lengths
 inline constexpr std::size_t most_record_foci = 8;          ///< of a record

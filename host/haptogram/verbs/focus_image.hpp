@@ -24,12 +24,12 @@ struct FocusImage {
 /// Whether focus records are in a board's memory, which limits their number, or come over the line as they are due.
 enum class FociFrom { memory, line };
 
-/// A path as focus records, for a board that computes phases and amplitudes by itself (rtl/amplitudes/focus_engine.v). Steps with
-/// the same foci, rounded as the board has them, share a record. All records have as many foci as the largest step;
-/// weaker steps are filled up with foci of amplitude 0. A channel's amplitude is the length of its sum of foci over the
-/// longest sum of the path, or over 1 where no sum is longer, so that a lone focus of amplitude 1 has the array's full
-/// duty and several keep their ratio. The path's modulation becomes samples of the board's own, which runs beside the
-/// sequence.
+/// A path as focus records, for a board that computes phases and amplitudes by itself (rtl/amplitudes/focus_engine.v).
+/// Steps with the same foci, rounded as the board has them, share a record. All records have as many foci as the
+/// largest step; weaker steps are filled up with foci of amplitude 0. A channel's amplitude is the length of its sum of
+/// foci over the longest sum of the path, or over 1 where no sum is longer, so that a lone focus of amplitude 1 has the
+/// array's full duty and several keep their ratio. The path's modulation becomes samples of the board's own, which runs
+/// beside the sequence.
 /// @param loops   passes of the sequence; 0 is for ever
 /// @param boards  that share the array's elements, each with as many as `core` has channels; the image is of all of
 /// them

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "haptogram/scattering/shells.hpp"
 #include "haptogram/scattering/dense.hpp"
 #include "haptogram/scattering/kernel.hpp"
+#include "haptogram/scattering/shells.hpp"
 
 namespace haptogram::scattering {
 
