@@ -9,6 +9,8 @@
 #include "haptogram/base/error.hpp"
 
 namespace haptogram::link {
+
+std::size_t expected_bytes(const Request& request, const Identity& identity);  // commands.cpp
 namespace {
 
 using interface::Command;
@@ -181,8 +183,11 @@ void Client::take(const Reply& reply) {
         if (of_this_round) send_again_soon();  // otherwise it has been sent again since
         return;
     }
-    if (reply.status == interface::Status::bad_length && (!of_this_round || ++strange_ <= policy::most_strange)) {
-        // A bit of its end was damaged, which can add a zero to a frame and leave its CRC right.
+    // A byte was lost or damaged, which can add a zero to a frame, or take one, and leave its CRC right.
+    const bool is_damaged = reply.status == interface::Status::bad_length ||
+                            (applied(reply) && reply.command != Command::identify &&
+                             reply.data.size() != expected_bytes(queue_[place].request, identity_));
+    if (is_damaged && (!of_this_round || ++strange_ <= policy::most_strange)) {
         if (of_this_round) send_again_soon();
         return;
     }

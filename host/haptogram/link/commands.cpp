@@ -67,7 +67,9 @@ void require_possible(const Identity& identity) {
     require("max_cycle_clocks", identity.max_cycle_clocks, 1, identity.clock_hz);
 }
 
-/// The bytes of data that the reply to a request has, or either of two.
+}  // namespace
+
+/// The bytes of data that the reply to a request has.
 std::size_t expected_bytes(const Request& request, const Identity& identity) {
     switch (request.command) {
         case Command::identify: return std::size_t{2} * interface::identity_words;
@@ -82,8 +84,6 @@ std::size_t expected_bytes(const Request& request, const Identity& identity) {
         default: return 0;
     }
 }
-
-}  // namespace
 
 Identity to_identity(const Bytes& block) {
     namespace field = interface::identity_field;
