@@ -30,7 +30,7 @@ build: ## configure and build everything; PRESET=dev with debugger and sanitizer
 	@$(call configure,$(PRESET))
 	@cmake --build --preset $(PRESET)
 
-# The program of `make build` if it is there. Otherwise it is built as one simulated core needs it, without studio, extensions and tests.
+# The program of `make build` if it is there. Otherwise it is built as one simulated core needs it, with the extra feel alone and without tests.
 DEMO := $(if $(wildcard build/release/host/cli/haptogram),release,quick)
 demo: ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
 	@$(call configure,$(DEMO))

@@ -8,7 +8,7 @@ import { test } from "node:test";
 import { accessible, drawnAt, folder, hasValue, keptPicture, lookedAt, middle, openPage, run, settled, sleep, startBrowser, takeAway } from "./support.mjs";
 import { host, skip } from "./site.mjs";
 
-const { unzipSync } = createRequire(new URL("../../host/studio/web/package.json", import.meta.url))("fflate");
+const { unzipSync } = createRequire(new URL("../../extras/studio/web/package.json", import.meta.url))("fflate");
 const radius = 30, height = 130; // mm, of the circle that is drawn
 
 async function openSite(t, options) {

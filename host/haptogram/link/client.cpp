@@ -9,8 +9,6 @@
 #include "haptogram/base/error.hpp"
 
 namespace haptogram::link {
-
-std::size_t expected_bytes(const Request& request, const Identity& identity);  // commands.cpp
 namespace {
 
 using interface::Command;

@@ -69,7 +69,6 @@ void require_possible(const Identity& identity) {
 
 }  // namespace
 
-/// The bytes of data that the reply to a request has.
 std::size_t expected_bytes(const Request& request, const Identity& identity) {
     switch (request.command) {
         case Command::identify: return std::size_t{2} * interface::identity_words;

@@ -222,6 +222,9 @@ protected:
     virtual void make_ready() {}
 };
 
+/// The bytes of data that the reply to a request has.
+[[nodiscard]] std::size_t expected_bytes(const Request& request, const Identity& identity);
+
 /// That a reply to a request is one: its data as long as was asked for, its values within what the device has.
 /// @param identity  of the device; of no meaning for identify
 /// @throws Error{device} naming the field, what was found and what was expected

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a rendering is of, as a user names it: a recording of hands, and the object that they feel. What becomes of it
-// is the extension *hand*'s (hand/recording.hpp, hand/project.hpp).
+// is in extras/hands (hand/recording.hpp, hand/project.hpp).
 #pragma once
 #include <filesystem>
 #include <memory>
