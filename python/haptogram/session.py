@@ -2,6 +2,7 @@
 """Requests in a window, each acknowledged. What is lost is sent again from the first missing one on; the board applies
 each exactly once and in order. How often and how soon, and when a link counts as lost, is one policy for all hosts of
 this project: see "A line that loses bytes" in rtl/INTERFACE.md."""
+import math
 import random
 import time
 from collections import deque
@@ -87,6 +88,7 @@ class Session:
     def __init__(self, line: Line, stopped: Callable[[], bool] = never, clock: Callable[[], float] = time.monotonic) -> None:
         self.patience = self._least_patience = getattr(line, "patience", PATIENCE_S)  # seconds to wait for an answer before sending again
         self._window: int = getattr(line, "window", LINK_WINDOW)
+        self._window_bytes: float = getattr(line, "window_bytes", math.inf)  # of frames without an answer
         self._rounds = round(PATIENCE_S / self.patience)  # that make a try
         self.retransmissions = 0
         self.keep_alive: float | None = None  # seconds within which something new must be said, while outputs are on
@@ -186,12 +188,13 @@ class Session:
         return [one.reply for one in mine if one.reply]
 
     def _transmit(self) -> None:
-        asking = 0
+        asking = under_way = 0
         for place, one in enumerate(islice(self._queue, self._window)):
             if one.reply:
                 continue
             asking += one.request.answer != 0
-            if asking > self._most_asking:
+            under_way += len(one.request.payload) + 8  # number, command, CRC, delimiter and stuffing
+            if asking > self._most_asking or (under_way > self._window_bytes and place > 0):
                 break
             if place >= self._sent:
                 self._send(place, one.request)

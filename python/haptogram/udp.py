@@ -26,6 +26,7 @@ class UdpLine:
     """A Line. What is written gathers to whole frames in a datagram until something is read."""
 
     patience, window = NETWORK_PATIENCE_MS / 1000, NETWORK_WINDOW  # of a Session on it
+    window_bytes = 4096  # of datagrams that a board's port has room for
 
     def __init__(self, port: str) -> None:
         self.path = port

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The window against a board that is played here: what is lost, late, refused or forgotten."""
 import random
+from collections import deque
 
 import pytest
 from haptogram import HaptogramError, session
@@ -90,6 +91,34 @@ def begun(**options):
     client = session.Session(board, clock=lambda: board.now)
     client.begin()
     return board, client
+
+
+def test_no_more_bytes_are_under_way_than_the_board_has_room_for():
+    class SmallBoard(Board):
+        window_bytes = 700
+        most = 0
+
+        def __init__(self):
+            super().__init__()
+            self.waiting = deque()  # bytes of each frame whose answer was not read
+
+        def write(self, data):
+            self.waiting.extend(len(code) + 1 for code in data.split(b"\0") if code)
+            self.most = max(self.most, sum(self.waiting))
+            super().write(data)
+
+        def read(self, patience):
+            data = super().read(patience)
+            for _ in range(min(data.count(0), len(self.waiting))):
+                self.waiting.popleft()
+            return data
+
+    board = SmallBoard()
+    client = session.Session(board, clock=lambda: board.now)
+    client.begin()
+    client.exchange([Request(Command.WRITE, bytes(208))] * 20)
+    assert [command for command, _ in board.applied].count(Command.WRITE) == 20
+    assert 600 < board.most <= 700
 
 
 def test_all_in_order_and_once():

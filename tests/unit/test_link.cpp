@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <deque>
 #include <fstream>
+#include <limits>
+#include <numeric>
 #include <random>
 #include <sstream>
 
@@ -40,6 +42,8 @@ public:
     explicit LossyBoard(unsigned lose_one_in) : lose_one_in_(lose_one_in) {}
     void write(std::span<const std::uint8_t> bytes) override {
         if (bytes.size() < 4 || lost()) return;
+        unread_.push_back(bytes.size());
+        most_waiting = std::max(most_waiting, std::accumulate(unread_.begin(), unread_.end(), std::size_t{0}));
         const auto frame = cobs_decode(bytes.first(bytes.size() - 1));
         REQUIRE(frame);
         REQUIRE(crc16(*frame) == 0);
@@ -65,9 +69,12 @@ public:
         const std::size_t count = std::min<std::size_t>(waiting_.size(), 7);  // replies come in pieces
         Bytes bytes(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
         waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+        for (auto ends = std::ranges::count(bytes, 0); ends > 0 && !unread_.empty(); --ends) unread_.pop_front();
         return bytes;
     }
+    [[nodiscard]] std::size_t window_bytes() const override { return room; }
     std::vector<Bytes> applied;
+    std::size_t room = std::numeric_limits<std::size_t>::max(), most_waiting = 0;  ///< bytes without a whole answer
     void lose_one_in(unsigned frames) { lose_one_in_ = frames; }
 
 private:
@@ -75,6 +82,7 @@ private:
     unsigned lose_one_in_;
     std::mt19937 g_{Catch::rngSeed()};
     std::deque<std::uint8_t> waiting_;
+    std::deque<std::size_t> unread_;  // bytes of each frame whose answer was not read
     std::uint8_t expected_ = 0;
 };
 
@@ -143,6 +151,17 @@ TEST_CASE("client: everything arrives once and in order over a line that loses f
     REQUIRE(board.applied.size() == 200);
     for (std::uint8_t i = 0; i < 200; ++i) REQUIRE(board.applied[i] == requests[i].payload);
     REQUIRE((client.retransmissions() > 0) == (lose > 0));
+}
+
+TEST_CASE("client: no more bytes are under way than the board has room for", "[link]") {
+    LossyBoard board(0);
+    board.room = GENERATE(100U, 700U, 4096U);
+    const std::vector<Request> requests(50, {Command::write, Bytes(208, 7)});
+    Client client(board);
+    REQUIRE(client.pipeline(requests).size() == 50);
+    REQUIRE(board.applied.size() == 50);
+    CHECK(board.most_waiting <= std::max<std::size_t>(board.room, 216));  // one frame goes in any case
+    CHECK(board.most_waiting > std::min<std::size_t>(board.room, 15 * 208) / 2);
 }
 
 TEST_CASE("client: a line on which nothing answers is a device error that says what to check", "[link]") {

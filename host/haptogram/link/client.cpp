@@ -32,6 +32,9 @@ bool begins(const Reply& reply) {
                                                        : reply.status != interface::Status::session_ended;
 }
 
+/// Bytes on the line at most: number, command, CRC, delimiter and stuffing beside the payload.
+std::size_t most_encoded(const Request& request) { return request.payload.size() + 8; }
+
 /// These act whenever a copy of them arrives. So nothing may be under way behind them that a later copy would end.
 bool acts_at_once(Command command) { return command == Command::disable || command == Command::stop; }
 
@@ -108,8 +111,11 @@ void Client::exchange(std::chrono::microseconds at_most) {
 }
 
 void Client::transmit() {
-    std::size_t asking = 0;
-    for (std::size_t i = 0; i < sent_; ++i) asking += asks(queue_[i]) ? 1 : 0;
+    std::size_t asking = 0, under_way = 0;
+    for (std::size_t i = 0; i < sent_; ++i) {
+        asking += asks(queue_[i]) ? 1 : 0;
+        under_way += queue_[i].reply ? 0 : most_encoded(queue_[i].request);
+    }
     if (shutting_off()) return;
     for (; sent_ < std::min<std::size_t>(queue_.size(), transport_.window()); ++sent_) {
         if (!heeded_ && interrupts() > 0) return;
@@ -117,6 +123,8 @@ void Client::transmit() {
         const Request& request = queue_[sent_].request;
         if (sent_ > 0 && acts_at_once(queue_[sent_ - 1].request.command) && !acts_at_once(request.command)) return;
         if (asks(queue_[sent_]) && ++asking > most_asking_) return;
+        under_way += most_encoded(request);
+        if (sent_ > 0 && under_way > transport_.window_bytes()) return;
         const auto number = static_cast<std::uint8_t>(next_ + sent_);
         transport_.write(encode_request(number, request.command, request.payload));
         on_line_.push_back({number, round_});

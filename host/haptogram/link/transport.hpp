@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -69,6 +70,8 @@ public:
     [[nodiscard]] virtual unsigned rounds() const { return 1; }
     /// How many frames may be under way, in the place of the policy's.
     [[nodiscard]] virtual unsigned window() const { return interface::link_policy::window; }
+    /// How many bytes of unanswered frames may be under way: what the board has room for before it takes them apart.
+    [[nodiscard]] virtual std::size_t window_bytes() const { return std::numeric_limits<std::size_t>::max(); }
     /// What to look at when nothing answers.
     [[nodiscard]] virtual std::string why_silent() {
         return "check the cable, the baud rate and that the board runs Haptogram; a tile of a chain is named by a # "

@@ -32,6 +32,9 @@ struct AboutBoard {
 /// "udp:ADDRESS[:PORT]"
 [[nodiscard]] bool names_udp(std::string_view name);
 
+/// Bytes of datagrams that a board's port has room for (net/udp_link.v, RX_BITS).
+inline constexpr std::size_t port_room = 4096;
+
 /// A board behind Ethernet. Whole frames gather into datagrams until something is read; what is lost or comes twice is
 /// the session's to deal with. A datagram of a board has whole frames, too.
 class UdpPort final : public Transport {
@@ -55,6 +58,7 @@ public:
         return interface::link_policy::patience_ms / interface::network::patience_ms;
     }
     [[nodiscard]] unsigned window() const override { return interface::network::window; }
+    [[nodiscard]] std::size_t window_bytes() const override { return port_room; }
     /// Of the board, by its open port; empty when nothing answers within so long.
     [[nodiscard]] std::optional<AboutBoard> ask(std::chrono::microseconds patience);
     [[nodiscard]] std::string why_silent() override;
