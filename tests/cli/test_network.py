@@ -277,15 +277,16 @@ print(json.dumps({"refused": refused, "sent": sent[0], "streaming": any(seen), "
 @also_in_time
 def test_a_file_of_patterns_is_streamed(tmp_path, figure, in_time):
     patterns = bytes([phase for k in range(4000) for c in range(100) for phase in (k % 256, 180)])
-    (tmp_path / "patterns.bin").write_bytes(patterns)
+    (tmp_path / "patterns.bin").write_bytes(b"patterns 100\n" + patterns)
     with net_board(tmp_path) as board:
         said = json.loads(succeed(["stream", "--live", "--json", "--port", board.port, "patterns.bin"], cwd=tmp_path).stdout)
         assert said["sent"] == 4000 and said["repeated"] == 0 and not said["interrupted"]
         if in_time:
             figure("UDP: patterns of a file that come too late", said["late"] / said["sent"], LATE, "of all")
         assert json.loads(succeed(["device", "status", "--json", "--port", board.port]).stdout)["outputs"] == "off"
-        (tmp_path / "cut.bin").write_bytes(patterns[:450])
-        assert_one_message(run(["stream", "--live", "--port", board.port, "cut.bin"], cwd=tmp_path), BAD_INPUT)
+        for name, bad in (("cut", b"patterns 100\n" + patterns[:450]), ("other", b"patterns 101\n" + patterns), ("headless", patterns), ("empty", b"")):
+            (tmp_path / f"{name}.bin").write_bytes(bad)
+            assert_one_message(run(["stream", "--live", "--port", board.port, f"{name}.bin"], cwd=tmp_path), BAD_INPUT)
         assert json.loads(succeed(["device", "status", "--json", "--port", board.port]).stdout)["outputs"] == "off"
 
 

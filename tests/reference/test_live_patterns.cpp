@@ -111,6 +111,24 @@ TEST_CASE("a host's patterns play each in its own carrier period", "[reference]"
                whole, bench.wrong, played.lead);
 }
 
+TEST_CASE("what was played until a signal came is told", "[reference]") {
+    Bench bench;
+    link::Client client(bench.line);
+    client.identify();
+    std::uint64_t filled = 0;
+    unsigned signals = 0;
+    client.set_interrupt([&] { return signals; });
+    const auto source = [&](std::uint64_t period, std::span<std::uint16_t> patterns) -> std::optional<std::size_t> {
+        if ((filled += patterns.size() / channels) >= 1000) signals = 1;
+        return fill(period, patterns);
+    };
+    const link::PlayedPatterns played = play_patterns(client, {}, source);
+    CHECK(played.interrupted);
+    CHECK(played.sent >= filled / 2);
+    CHECK(played.sent <= filled);
+    CHECK_FALSE(bench.board.outputs().enabled);
+}
+
 TEST_CASE("the least slots still play, and fewer are refused", "[reference]") {
     Bench bench;
     link::Client client(bench.line);

@@ -154,10 +154,10 @@ PlayedPatterns play_patterns(Commands& device, const PatternSettings& settings, 
     PatternStream stream(device, settings);
     Clock& clock = device.clock();
     const auto rest = [&clock] { clock.rest(Clock::time(step_s)); };
-    PlayedPatterns played;
+    std::optional<StreamPace> kept;  // also when a signal ends it in the middle of a question
     const bool interrupted = while_on(device, settings.watchdog_ms, [&] {
         const Status before = device.status();
-        StreamPace pace(before, clock.now_s(), stream.slots());
+        StreamPace& pace = kept.emplace(before, clock.now_s(), stream.slots());
         std::uint64_t following = *before.period + pace.played.lead, at_pins = 0;
         const auto look = [&] {
             const Status status = device.status();
@@ -194,8 +194,8 @@ PlayedPatterns play_patterns(Commands& device, const PatternSettings& settings, 
             stream.send(following, std::span(patterns).first(count * stream.words()));
             following += count;
         }
-        played = pace.played;
     });
+    PlayedPatterns played = kept ? kept->played : PlayedPatterns{};
     played.interrupted |= interrupted;
     return played;
 }

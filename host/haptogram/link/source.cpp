@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/link/focus_ring.hpp"
 
 namespace haptogram::link {
@@ -88,10 +89,24 @@ bool RepeatedEntries::ended() const {
     return pass_.empty() || (entries_ != 0 && taken_ == entries_) || (most_periods_ != 0 && periods_ == most_periods_);
 }
 
+/// Whether the head has come, which says for how many channels the patterns are, so that none is played shifted.
+bool PatternBytes::has_head(std::size_t words) {
+    const std::string head = fmt::format("patterns {}\n", words);
+    if (begun_ || (bytes_.size() < head.size() && head.starts_with(bytes_) && !input_.ended())) return begun_;
+    if (!bytes_.starts_with(head))
+        throw bad_input(input_.name(),
+                        fmt::format("begins with '{}', expected the line 'patterns {}' for a board of {} channels, and "
+                                    "then two bytes for each channel of each pattern",
+                                    printable(bytes_.substr(0, std::min(bytes_.find('\n'), head.size()))), words, words));
+    bytes_.erase(0, head.size());
+    return begun_ = true;
+}
+
 std::optional<std::size_t> PatternBytes::take(std::span<std::uint16_t> patterns, std::size_t words) {
     const std::size_t wanted = 2 * patterns.size(), each = 2 * words;
     while (bytes_.size() < wanted && !input_.ended() && input_.read(bytes_, std::chrono::milliseconds(0))) {
     }
+    if (!has_head(words)) return 0;
     if (input_.ended() && bytes_.empty()) return {};
     if (input_.ended() && bytes_.size() < each)
         throw bad_input(input_.name(), fmt::format("pattern {} has {} bytes, expected {}, two for each of its words",

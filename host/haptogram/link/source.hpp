@@ -70,7 +70,8 @@ private:
 /// Patterns of a stream from bytes: words of 16 bits, little-endian, one pattern behind the other.
 class PatternBytes {
 public:
-    /// @throws Error{bad_input} when the file cannot be opened; take() when it ends within a pattern, or cannot be read
+    /// @throws Error{bad_input} when the file cannot be opened; take() when it has no head, is for another number of
+    ///         channels, ends within a pattern, or cannot be read
     explicit PatternBytes(const std::string& path) : input_(path) {}
 
     /// The next ones, as far as they have come. @param words  of a pattern
@@ -78,9 +79,12 @@ public:
     std::optional<std::size_t> take(std::span<std::uint16_t> patterns, std::size_t words);
 
 private:
+    [[nodiscard]] bool has_head(std::size_t words);
+
     LiveInput input_;
     std::string bytes_;
     std::uint64_t taken_ = 0;
+    bool begun_ = false;
 };
 
 /// Patterns of a stream from foci: each is a record of the focus whose turn it is.
