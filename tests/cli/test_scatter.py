@@ -195,6 +195,7 @@ def test_what_is_refused(tmp_path):
     refuse(tmp_path, [*BALL], USAGE)
     refuse(tmp_path, [*BALL, *AIM, "--length", 20], USAGE)
     refuse(tmp_path, [*BALL, *AIM, "--edge", 9], USAGE)
+    refuse(tmp_path, [*BALL, *AIM, "--edge", 0.001], USAGE)
     refuse(tmp_path, [*BALL, *AIM, "-o", "ball.stl"], USAGE)
     refuse(tmp_path, [*BALL, "--focus", "0,0,-5"], BAD_INPUT)
 

@@ -22,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int standard_input = 0, standard_output = 1, standard_error = 2;
+constexpr std::size_t most_of_a_stream = std::size_t{256} << 20;  // of bytes: pipes and devices do not say how many come
 
 std::string reason() { return std::generic_category().message(errno); }
 
@@ -91,9 +92,15 @@ void StagedFile::fill(std::string_view content) {
 
 void StagedFile::commit() {
     if (beside_.empty()) return;
+    beside();
     system::close(std::exchange(descriptor_, -1));  // Windows renames no file that is open
     if (!system::rename(beside_, target_)) fail();
     beside_.clear();
+}
+
+const fs::path& StagedFile::beside() {
+    if (!beside_.empty() && !system::give_name(descriptor_, beside_)) fail();
+    return beside_;
 }
 
 void StagedFile::fail() const { throw cannot_write(path_); }
@@ -112,6 +119,8 @@ std::string read_file(const std::filesystem::path& path) {
         if (count < 0 && errno == EINTR) continue;
         if (count < 0) throw bad_input(path.string(), fmt::format("cannot be read: {}", reason()));
         if (count == 0) return content;
+        if (no_file && content.size() > most_of_a_stream)
+            throw bad_input(path.string(), fmt::format("has no end within {} MiB; give a file", most_of_a_stream >> 20));
         content.append(buffer.data(), static_cast<std::size_t>(count));
     }
 }

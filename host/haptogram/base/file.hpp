@@ -29,7 +29,7 @@ public:
     void fill(std::string_view content);
     void commit();
     /// Where it is until it is committed, for a library that writes files by name; empty for what is written directly.
-    [[nodiscard]] const std::filesystem::path& beside() const { return beside_; }
+    const std::filesystem::path& beside();
 
 private:
     [[noreturn]] void fail() const;

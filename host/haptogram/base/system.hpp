@@ -15,8 +15,9 @@ namespace haptogram::system {
 /// A named pipe that is not waited for, and whose end no writer brings.
 [[nodiscard]] int open_pipe(const std::filesystem::path& path);
 [[nodiscard]] int open_to_write(const std::filesystem::path& path);
-/// A new file with a name of its own beside `target`, whose rights are the target's, or those of any new file.
-/// @return its descriptor, −1 when it fails
+/// A new file for the folder of `target`, whose rights are the target's, or those of any new file. Where the system can,
+/// it has no name yet, so that nothing stays of it when the program is killed.
+/// @return its descriptor, −1 when it fails; and the name beside `target` that it has or will get
 [[nodiscard]] std::pair<int, std::filesystem::path> create_beside(const std::filesystem::path& target);
 [[nodiscard]] bool is_file(int descriptor);
 /// Standard input or output as bytes.
@@ -27,6 +28,8 @@ void close(int descriptor);
 [[nodiscard]] std::ptrdiff_t write(int descriptor, const char* from, std::size_t most);
 /// Waits until it is on the disk.
 [[nodiscard]] bool sync(int descriptor);
+/// Gives a file of create_beside() its name, if it has none yet.
+[[nodiscard]] bool give_name(int descriptor, const std::filesystem::path& name);
 /// In one step, also onto a file that is there.
 [[nodiscard]] bool rename(const std::filesystem::path& from, const std::filesystem::path& to);
 

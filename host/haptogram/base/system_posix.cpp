@@ -34,10 +34,27 @@ int open_pipe(const fs::path& path) {
 
 int open_to_write(const fs::path& path) { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC); }
 
+namespace {
+
+std::string link_to(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+int create_nameless([[maybe_unused]] const fs::path& target) {
+#ifdef O_TMPFILE
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (descriptor < 0 || ::access(link_to(descriptor).c_str(), F_OK) == 0) return descriptor;
+    ::close(descriptor);
+#endif
+    return -1;
+}
+
+}  // namespace
+
 std::pair<int, fs::path> create_beside(const fs::path& target) {
     for (;;) {
         const fs::path name = target.string() + "." + make_token().substr(0, 8);
-        const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        int descriptor = create_nameless(target);
+        if (descriptor < 0) descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (descriptor < 0 && errno == EEXIST) continue;
         struct stat there = {};
         if (descriptor >= 0 && ::stat(target.c_str(), &there) == 0 &&
@@ -62,6 +79,14 @@ void close(int descriptor) { ::close(descriptor); }
 std::ptrdiff_t read(int descriptor, char* to, std::size_t most) { return ::read(descriptor, to, most); }
 std::ptrdiff_t write(int descriptor, const char* from, std::size_t most) { return ::write(descriptor, from, most); }
 bool sync(int descriptor) { return ::fsync(descriptor) == 0; }
+
+bool give_name(int descriptor, const fs::path& name) {
+    struct stat status = {};
+    return ::fstat(descriptor, &status) == 0 &&
+           (status.st_nlink > 0 ||
+            ::linkat(AT_FDCWD, link_to(descriptor).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0);
+}
+
 bool rename(const fs::path& from, const fs::path& to) { return ::rename(from.c_str(), to.c_str()) == 0; }
 
 bool wait_to_read(int descriptor, std::chrono::milliseconds patience) {

@@ -88,6 +88,8 @@ std::ptrdiff_t write(int descriptor, const char* from, std::size_t most) {
 }
 bool sync(int descriptor) { return ::_commit(descriptor) == 0; }
 
+bool give_name(int, const fs::path&) { return true; }
+
 bool rename(const fs::path& from, const fs::path& to) {
     if (::MoveFileExW(from.c_str(), to.c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) != 0) return true;
     keep_reason();

@@ -244,6 +244,8 @@ Mesh revolve(double radius, double straight, double edge) {
     return mesh;
 }
 
+constexpr double most_triangles = 1e6;  // of a built-in body; fewer can be computed
+
 void require(const char* name, double value, bool fits, const std::string& expected) {
     if (!std::isfinite(value) || !fits)
         throw bad_argument(name, fmt::format("must be {}, found {:g} mm", expected, value / millimetre));
@@ -260,6 +262,9 @@ Mesh capsule_mesh(double radius, double length, double edge) {
     const double straight = length - 2.0 * radius;
     const double volume = pi * radius * radius * (4.0 / 3.0 * radius + straight);
     const double surface = 2.0 * pi * radius * (2.0 * radius + straight);
+    const double least_edge = std::sqrt(surface / (std::sqrt(3.0) / 4.0 * most_triangles));
+    require("edge", edge, edge >= least_edge,
+            fmt::format("at least {:.3g} mm, which makes a million triangles", least_edge / millimetre));
     Mesh mesh;
     double outwards = 0.0;
     for (int round = 0; round < 4;

@@ -50,7 +50,8 @@ void require_one_body(const Mesh& mesh);
 // surface, so that the mesh has the true volume: a scattered wave depends on it first.
 
 /// @param edge  wanted length of the triangles' edges, metres
-/// @throws Error{bad_argument} when a measure is not positive and finite, or the edge is longer than the radius
+/// @throws Error{bad_argument} when a measure is not positive and finite, the edge is longer than the radius, or makes
+///         more than a million triangles
 [[nodiscard]] Mesh sphere_mesh(double radius, double edge);
 /// A cylinder with half a sphere at each end, along z, centred on the origin: the tip of a finger.
 /// @param length  of the whole, at least twice the radius
