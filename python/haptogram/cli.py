@@ -2,7 +2,6 @@
 """The program haptogram-py: its arguments and its messages, `haptogram-py: where: message` on stderr."""
 import argparse
 import math
-import os
 import sys
 from collections.abc import Callable
 from typing import NoReturn
@@ -10,6 +9,7 @@ from typing import NoReturn
 from . import __version__, commands
 from .errors import ErrorCode, HaptogramError
 from .interface import KNOWN_RATES
+from .program import exit_code_of
 
 
 class Parser(argparse.ArgumentParser):
@@ -93,19 +93,13 @@ def parser() -> Parser:
     return top
 
 
+def work() -> None:
+    options = parser().parse_args()
+    options.run(options)
+
+
 def main() -> int:
-    try:
-        options = parser().parse_args()
-        options.run(options)
-        sys.stdout.flush()
-    except HaptogramError as error:
-        print("; ".join([f"haptogram-py: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
-        return error.code
-    except OSError as error:  # all else is told by HaptogramError
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries again at its end
-        print(f"haptogram-py: standard output: {error.strerror}; what was printed is incomplete", file=sys.stderr)
-        return ErrorCode.BAD_INPUT
-    return 0
+    return exit_code_of("haptogram-py", work)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from patience import PATIENCE_S, Board
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = [str(ROOT / "python"), str(ROOT / "extras/studies")]
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
-ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(PACKAGES), "PYTHONDONTWRITEBYTECODE": "1"}
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(PACKAGES), "PYTHONDONTWRITEBYTECODE": "1", "PYTHONUNBUFFERED": ""}  # as in a shell
 RATE_NOTE = r"haptogram(-py)?: \S+: it answers at \d+ baud, which is remembered\n"  # once, of the first command at a port
 OK, RUN_FAILED, USAGE, BAD_INPUT, DEVICE = range(5)
 

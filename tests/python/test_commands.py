@@ -137,9 +137,10 @@ def test_wrong_usage(args, tmp_path):
     assert_refused(run(python_command(*args), tmp_path), USAGE)
 
 
-def test_no_room_for_what_is_printed(tmp_path):
+@pytest.mark.parametrize("args", [["device", "list", "--json"], ["--help"]], ids=["list", "help"])
+def test_no_room_for_what_is_printed(args, tmp_path):
     with open("/dev/full", "w") as full:
-        result = run(python_command("device", "list", "--json"), tmp_path, stdout=full)
+        result = run(python_command(*args), tmp_path, stdout=full)
     assert result.returncode == BAD_INPUT
     assert result.stderr == "haptogram-py: standard output: No space left on device; what was printed is incomplete\n"
 

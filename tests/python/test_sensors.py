@@ -402,4 +402,4 @@ def test_a_full_disk(program, tmp_path):
     with open("/dev/full", "w") as full:
         result = run([sys.executable, "-m", f"haptogram.sensors.{program}", "--help"], tmp_path, stdout=full)
     assert result.returncode == BAD_INPUT
-    assert result.stderr == f"haptogram-{program}: standard output: No space left on device; what was written is incomplete\n"
+    assert result.stderr == f"haptogram-{program}: standard output: No space left on device; what was printed is incomplete\n"

@@ -176,5 +176,5 @@ def test_messages(sweep, tmp_path):
 
 def test_a_full_device():
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run(command("--help"), stdout=full, stderr=subprocess.PIPE, text=True, timeout=300, check=False)
-    assert done.returncode == FAILED and done.stderr == "haptogram-sweep: standard output: No space left on device; what was printed is incomplete\n"
+        done = subprocess.run(command("--help"), stdout=full, stderr=subprocess.PIPE, text=True, timeout=300, check=False, env={**os.environ, "PYTHONUNBUFFERED": ""})
+    assert done.returncode == 3 and done.stderr == "haptogram-sweep: standard output: No space left on device; what was printed is incomplete\n"

@@ -3,7 +3,6 @@
 import argparse
 import atexit
 import json
-import os
 import platform
 import signal
 import subprocess
@@ -15,6 +14,7 @@ from haptogram import __version__
 from haptogram.cli import Parser, whole
 from haptogram.errors import ErrorCode, HaptogramError, bad_input
 from haptogram.markers import Markers, no_mark
+from haptogram.program import exit_code_of
 from . import protocol as protocols
 from . import results, touching
 from .asking import Keyboard, Observer, Page, Stopped
@@ -253,20 +253,16 @@ def parser() -> Parser:
     return top
 
 
-def main() -> int:
+def work() -> int:
     try:
         options = parser().parse_args()
         code: int = options.run(options)
-        sys.stdout.flush()
-        return code
-    except HaptogramError as error:
-        say("; ".join([str(error), *getattr(error, "__notes__", [])]))
-        return error.code
     except ModuleNotFoundError as error:
         extra = "lsl" if error.name == "pylsl" else "study"
         say(f"Python's {error.name} is missing; install the package with its extra: pip install 'haptogram[{extra}]'")
         return ErrorCode.USAGE
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries again at its end
-        say(f"standard output: {error.strerror}; what was printed is incomplete")
-        return ErrorCode.BAD_INPUT
+    return code
+
+
+def main() -> int:
+    return exit_code_of("haptogram-study", work)

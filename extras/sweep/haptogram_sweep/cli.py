@@ -9,6 +9,8 @@ import sys
 import time
 from typing import NoReturn
 
+from haptogram.program import exit_code_of
+
 from . import plan as plans
 from . import plot
 from .errors import FAILED, USAGE, SweepError
@@ -92,17 +94,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    try:
-        code = run(_parser().parse_args(arguments))
-        sys.stdout.flush()
-        return code
-    except SweepError as error:
-        print(f"haptogram-sweep: {error}", file=sys.stderr)
-        return error.code
-    except OSError as error:  # files of its own are told by SweepError
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries again at its end
-        print(f"haptogram-sweep: standard output: {error.strerror}; what was printed is incomplete", file=sys.stderr)
-        return FAILED
-    except KeyboardInterrupt:
-        print("haptogram-sweep: ended; what is done is kept, and the same command goes on from there", file=sys.stderr)
-        return FAILED
+    def work() -> int:
+        try:
+            return run(_parser().parse_args(arguments))
+        except SweepError as error:
+            print(f"haptogram-sweep: {error}", file=sys.stderr)
+            return error.code
+        except KeyboardInterrupt:
+            print("haptogram-sweep: ended; what is done is kept, and the same command goes on from there", file=sys.stderr)
+            return FAILED
+
+    return exit_code_of("haptogram-sweep", work)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..cli import Parser
 from ..errors import ErrorCode, HaptogramError, bad_input, device_error
-from .program import exit_code_of
+from ..program import exit_code_of
 
 URL = "ws://127.0.0.1:6437/v6.json"
 PROTOCOL = 6
@@ -61,7 +61,7 @@ async def listen(url: str) -> None:
 def main() -> int:
     top = Parser(prog="haptogram-leap", description=__doc__, epilog="Exit codes: 0 ok, 2 usage, 3 bad input, 4 tracking service.")
     top.add_argument("--url", default=URL, help=f"of the service's WebSocket ({URL})")
-    return exit_code_of("haptogram-leap", lambda: asyncio.run(listen(top.parse_args().url)))
+    return exit_code_of("haptogram-leap", lambda: asyncio.run(listen(top.parse_args().url)), interrupted=0)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from typing import Any
 from ..cli import Parser, whole
 from ..errors import ErrorCode, HaptogramError, bad_input, device_error
 from .depth_pipe import Camera, DepthPipe, Pose, Vector
-from .program import exit_code_of
+from ..program import exit_code_of
 from .together import Frame, Shot, Together
 
 QUIET_S = 1.0  # without a picture, after which a camera is said to be silent, and is started again
@@ -218,7 +218,7 @@ def work() -> None:
 
 
 def main() -> int:
-    return exit_code_of("haptogram-realsense", work)
+    return exit_code_of("haptogram-realsense", work, interrupted=0)
 
 
 if __name__ == "__main__":
