@@ -115,8 +115,8 @@ sanitize: ## the program, and the C examples, under address and undefined-behavi
 soak: build ## torture of the link, boards on one wire, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_cosim '[storm]' --durations yes
-	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_carrier_edges --durations yes
-	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_net_core 'stream*' --durations yes
+	@for part in carrier_edges width_small width_100 net_core net_sdram; do HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_$$part --durations yes || exit 1; done
+	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_live 'live: rings by the thousand*' --durations yes
 	@HAPTOGRAM_SOAK=1 HAPTOGRAM_MODEL=rtl $(BUILD)/tests/test_tiles --durations yes
 	@HAPTOGRAM_MODEL=rtl HAPTOGRAM_ARRAYS=12 HAPTOGRAM_CASES=2 HAPTOGRAM_PROGRAM=$(CURDIR)/$(BUILD)/host/cli/haptogram $(PYTHON) -m pytest -q -p no:cacheprovider -m 'not real_time' tests/cli tests/python
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --durations yes

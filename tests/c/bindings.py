@@ -43,6 +43,8 @@ class Haptogram:
         return ctypes.POINTER(ctypes.c_void_p) if p.stars == 2 else ctypes.c_void_p
 
     def struct(self, name, **values):
+        if name == "playing":
+            values.setdefault("watchdog_ms", 60000)  # which lets a busy machine pause
         made = self.structs[f"haptogram_{name}"](**values)
         if made._fields_[0][0] == "size":
             made.size = ctypes.sizeof(made)

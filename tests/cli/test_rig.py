@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import re
 import select
 import signal
 import subprocess
@@ -11,7 +10,7 @@ import threading
 import tty
 
 import pytest
-from support import BAD_INPUT, DEVICE, PROGRAM, RATE_NOTE, USAGE, assert_one_message, board_run, open_raw, path_file, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, board_run, open_raw, path_file, run, succeed, text
 
 MADE_ONCE = ["boards"]
 PAIR = """format = "haptogram-rig-1"
@@ -231,9 +230,9 @@ def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair, boards):
     (pair / "long.txt").write_text("401 60\n402 60\n" * 20000)
     stream = ["stream", "long.txt", "--rig", "wall.json", *ports, *SILENT_SOON, "--on-loss", "rest", "--json"]
     with cut_while(pair, cables, stream) as process:
-        # The first command at a port may say its rate.
-        warning = next(line for line in map(text, process.stderr) if not re.fullmatch(RATE_NOTE, line))
-        assert "tile 2" in warning and "the others go on" in warning
+        # Before it may come a port's rate, and that the tile did not confirm that it is off.
+        warning = next(line for line in map(text, process.stderr) if "the others go on" in line)
+        assert "tile 2" in warning
         assert process.poll() is None
         process.send_signal(signal.SIGINT)
         said, warned = process.communicate(timeout=PATIENCE_S)

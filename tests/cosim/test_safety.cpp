@@ -4,6 +4,7 @@
 #include <string>
 
 #include "../refusal.hpp"
+#include "../soak.hpp"
 #include "bench.hpp"
 
 using namespace haptogram;
@@ -257,7 +258,7 @@ TEST_CASE("safety: what was sent before a switch-off is answered and not done", 
 TEST_CASE("safety: after a switch-off in a storm of commands nothing goes on by itself", "[safety][storm]") {
     auto g = generator();
     // `make soak` has the two minutes that sixty rounds take.
-    const std::size_t rounds = std::getenv("HAPTOGRAM_SOAK") != nullptr ? 60 : 15;
+    const std::size_t rounds = soaked(60, 6);
     Bench bench(each_small_model());
     play_one(bench, dense());
     const auto byte = [&] { return static_cast<std::uint8_t>(random(g, 0, 255)); };

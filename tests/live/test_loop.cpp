@@ -9,6 +9,7 @@
 #include "../refusal.hpp"
 #include "../virtual_clock.hpp"
 #include "../virtual_line.hpp"
+#include "../soak.hpp"
 #include "bench.hpp"
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/recording.hpp"
@@ -456,7 +457,7 @@ TEST_CASE("live: weights that records cannot have are refused before anything pl
     CHECK_REFUSED(live::RingPlayer(bench.client, bench.clock, array, 8, Method::distance_weighted));
 }
 
-TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has steps of two") {
+TEST_CASE("live: rings by the thousand are replaced, and no turn at the pins has steps of two") {
     LiveBench bench("small-16");
     const Array array = [] {
         Array made = find_array("tile-10x10");
@@ -517,7 +518,7 @@ TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has st
     });
     bench.client.set_watchdog(500);
     bench.client.enable();
-    constexpr std::uint64_t rings = 10'000;
+    const std::uint64_t rings = soaked(10'000, 1'500);
     while (made < rings) {
         if (!player.sending() && player.sent().size() == made) {
             const Path ring = ring_of(++made);
@@ -531,7 +532,7 @@ TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has st
     }
     INFO(turns << " turns, " << replaced << " rings at the pins, " << player.sent().size() << " sent");
     CHECK(mixed == 0);
-    CHECK(replaced > 9'000);
+    CHECK(replaced > rings * 9 / 10);
     CHECK(turns >= replaced);
     CHECK(bench.client.status().underruns == 0);
 }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "../soak.hpp"
 #include "sync_boards.hpp"
 
 using namespace sync_boards;
@@ -39,8 +40,7 @@ struct Crystals {
 
 TEST_CASE("carrier_sync: cycles of four and nine tiles begin within two clocks of each other") {
     const std::size_t count = GENERATE(4, 9);
-    const bool soak = std::getenv("HAPTOGRAM_SOAK") != nullptr;
-    const std::uint64_t cycles = soak ? 1'000'000 : 1'000, until_wander = 20;  // half a millisecond
+    const std::uint64_t cycles = haptogram::test::soaked(1'000'000, 1'000), until_wander = 20;  // half a millisecond
     Boards boards(count);
     Crystals crystals(count, static_cast<std::uint32_t>(Catch::rngSeed()));
     crystals.wander(boards);

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <set>
 
+#include "../soak.hpp"
 #include "haptogram/format/focus_engine.hpp"
 #include "net_core.hpp"
 
@@ -39,6 +40,15 @@ Bytes pattern(long period) {
     for (unsigned c = 0; c < channels; ++c) {
         const Drive one = drive(period, c);
         bytes.insert(bytes.end(), {static_cast<std::uint8_t>(one.phase), static_cast<std::uint8_t>(one.amplitude)});
+    }
+    return bytes;
+}
+/// The same phases, as words of a record of timings: ticks after the cycle's start.
+Bytes timings(long period) {
+    Bytes bytes;
+    for (unsigned c = 0; c < channels; ++c) {
+        const auto ticks = static_cast<unsigned>(drive(period, c).phase * 4);
+        bytes.insert(bytes.end(), {static_cast<std::uint8_t>(ticks), static_cast<std::uint8_t>(ticks >> 8)});
     }
     return bytes;
 }
@@ -97,7 +107,8 @@ public:
     std::function<Drive(long, unsigned)> drive_of = drive;
     std::function<Bytes(long)> pattern_of = pattern;
 
-    explicit Stream(unsigned hold, unsigned fade = 65535, std::uint16_t first = first_index) : first_(first) {
+    explicit Stream(unsigned hold, unsigned fade = 65535, std::uint16_t first = first_index, std::uint16_t kind = 1)
+        : first_(first) {
         if (has_sdram) network.run(300'000);  // until it has started
         session = static_cast<std::uint8_t>(network.next_number());
         send(network.frame(Command::identify));
@@ -106,7 +117,8 @@ public:
         std::vector<std::uint16_t> header(interface::record_header_words, 0);
         interface::record_field::cycle_length.set(header, cycle);
         interface::record_field::prescaler.set(header, 1);
-        interface::record_field::kind.set(header, 1);
+        interface::record_field::kind.set(header, kind);
+        if (kind == 0) interface::record_field::pulse_length.set(header, timed_width);
         // A focus record has none.
         for (unsigned slot = 0; first == first_index && slot < slots; ++slot) {
             write((first_index - 1 + slot) * record_words * 2, header);
@@ -196,7 +208,7 @@ public:
         return period - last <= hold ? last : 0;
     }
 
-    static constexpr std::uint16_t first_index = 3;
+    static constexpr std::uint16_t first_index = 3, timed_width = 200;
 
 private:
     std::uint16_t first_;
@@ -257,9 +269,8 @@ private:
 }  // namespace
 
 TEST_CASE("stream: each pattern plays in its own carrier period, and where one is missing the last one stays") {
-    const bool soak = std::getenv("HAPTOGRAM_SOAK") != nullptr;
     const bool lossy = GENERATE(false, true);
-    const long periods = soak ? 100'000 : 1'500;
+    const auto periods = static_cast<long>(haptogram::test::soaked(100'000, 1'500));
     const long lead = has_sdram ? 1'000 : 30;
     constexpr unsigned hold = 100;
     Stream stream(hold);
@@ -435,9 +446,36 @@ TEST_CASE("stream: when no pattern comes the last one is held, and then its ampl
     CHECK(wrong == 0);
 }
 
+TEST_CASE("stream: of a stream that DISABLE ended nothing plays, however soon ENABLE follows") {
+    const bool timed = GENERATE(false, true);
+    const std::size_t tries = haptogram::test::soaked(1250, 40);
+    Stream stream(1000, 65535, Stream::first_index, timed ? 0 : 1);
+    if (timed) stream.pattern_of = timings;
+    Network& network = stream.network;
+    long old = 0, late = 0;
+    for (std::size_t k = 0; k < tries; ++k) {  // in every part of a period
+        const long begin = stream.now() + 6;
+        stream.send(stream.datagram(begin));
+        stream.run_to(begin + 3);
+        for (const long before = stream.now(); stream.now() == before;) network.run(20);
+        network.run(25'000.0 * static_cast<double>(k) / static_cast<double>(tries));
+        stream.send(network.frame(Command::disable));
+        for (const std::size_t answers = network.replies.size(); network.replies.size() == answers;) network.run(8);
+        stream.send(network.frame(Command::enable));
+        const long off = stream.pins.clock();
+        const std::size_t before = stream.pins.pulses.size();
+        while (!network.bench->o_enabled) network.run(8);
+        network.run(200'000);
+        late += network.bench->o_enabled == 0;
+        for (std::size_t i = before; i < stream.pins.pulses.size(); ++i) old += stream.pins.pulses[i].rise > off;
+    }
+    CHECK(old == 0);
+    CHECK(late == 0);
+}
+
 TEST_CASE("stream: DISABLE, STOP, a new session, a lost link and other commands forget what waits") {
     Stream stream(5);
-    const int what = GENERATE(range(0, 6));
+    const int what = GENERATE(range(0, 7));
     const long begin = stream.now() + 30;
     stream.send(stream.datagram(begin));
     stream.run_to(begin - 20);
@@ -447,6 +485,7 @@ TEST_CASE("stream: DISABLE, STOP, a new session, a lost link and other commands 
         case 2: stream.send(stream.network.frame(Command::identify)); break;
         case 3: stream.network.send(stranger, {'H', 'G', 5, 0}, open_port); break;
         case 4: stream.settings({Stream::first_index, slot_bits, 5, 65535}); break;
+        case 5: stream.write(interface::parameters_base, std::array<std::uint16_t, 1>{8}); break;  // foci_base
         default: stream.send(stream.network.frame(Command::select, {0, 0, 0, 0})); break;
     }
     stream.network.run(100'000);

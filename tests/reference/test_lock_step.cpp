@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "../soak.hpp"
 #include "clock.hpp"
 #include "lock_step.hpp"
 #include "reference_board.hpp"
@@ -91,17 +92,17 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
 
 std::uint64_t size(std::uint64_t full, std::uint64_t quick) {
     if (const char* asked = std::getenv("HAPTOGRAM_COMMANDS")) return std::strtoull(asked, nullptr, 10);
-    return std::getenv("HAPTOGRAM_SOAK") != nullptr ? full : quick;
+    return soaked(full, quick);
 }
 
 }  // namespace
 
 TEST_CASE("reference: no reply and no pulse differs from the small core's") {
-    compare("small-16", size(100'000, 10'000), Catch::rngSeed());
+    compare("small-16", size(100'000, 5'000), Catch::rngSeed());
 }
 
 TEST_CASE("reference: no reply and no pulse differs from the small core's behind a network port") {
-    compare("small-16-net", size(100'000, 3'000), Catch::rngSeed());
+    compare("small-16-net", size(100'000, 1'500), Catch::rngSeed());
 }
 
 TEST_CASE("reference: a STOP and a break of the network act at the same clock") {
@@ -362,7 +363,7 @@ TEST_CASE("reference: in one go or clock by clock, with or without an audience, 
 
 TEST_CASE(
     "reference: no reply and no pulse differs from the small core's with amplitudes, modulation, slew limit and foci") {
-    compare("small-16-wide", size(100'000, 3'000), Catch::rngSeed());
+    compare("small-16-wide", size(100'000, 1'500), Catch::rngSeed());
 }
 
 TEST_CASE("reference: no reply and no pulse differs from the small core's in a chain") {
@@ -370,5 +371,5 @@ TEST_CASE("reference: no reply and no pulse differs from the small core's in a c
 }
 
 TEST_CASE("reference: no reply, no pulse and no edge of SYNC differs from those of the tile with everything") {
-    compare("tile-100-wide", size(100'000, 600), Catch::rngSeed(), true, Sync::any);
+    compare("tile-100-wide", size(100'000, 300), Catch::rngSeed(), true, Sync::any);
 }

@@ -8,6 +8,7 @@
 
 #include "../period_check.hpp"
 #include "../refusal.hpp"
+#include "../soak.hpp"
 #include "bench.hpp"
 
 using namespace haptogram;
@@ -16,10 +17,6 @@ using namespace haptogram::test;
 namespace {
 
 constexpr std::uint32_t channels = 16, cycle = 1250, length = 250;
-
-std::size_t size(std::size_t full, std::size_t quick) {
-    return std::getenv("HAPTOGRAM_SOAK") != nullptr ? full : quick;
-}
 
 template <class... Values>
 void figures(fmt::format_string<Values...> format, Values&&... values) {
@@ -77,12 +74,12 @@ void play_together(const std::vector<sim::Oscillator>& oscillators, std::size_t 
 
 TEST_CASE("contract 11, together: crystals of their own, four boards") {
     std::mt19937 g(Catch::rngSeed());
-    play_together(crystals(4, 50.0, 5.0, g), size(1'000'000, 4'000), 2.0);
+    play_together(crystals(4, 50.0, 5.0, g), soaked(1'000'000, 4'000), 2.0);
 }
 
 TEST_CASE("contract 11, together: crystals of their own, nine boards") {
     std::mt19937 g(Catch::rngSeed());
-    play_together(crystals(9, 50.0, 5.0, g), size(1'000'000, 1'000), 2.0);
+    play_together(crystals(9, 50.0, 5.0, g), soaked(1'000'000, 1'000), 2.0);
 }
 
 TEST_CASE("contract 11, together: one clock for all boards, and SYNC at any part of it") {
@@ -91,7 +88,7 @@ TEST_CASE("contract 11, together: one clock for all boards, and SYNC at any part
     // SYNC may change in any part of that clock, also just when it is looked at: then one board sees it a clock later.
     const double delay = 20e-9 * std::uniform_real_distribution<double>(0.0, 1.0)(g);
     for (std::size_t i = 0; i < shared.size(); ++i) shared[i].phase = 1.0, shared[i].wire_delay_s += delay;
-    play_together(shared, size(1'000'000, 4'000), 1.0);
+    play_together(shared, soaked(1'000'000, 4'000), 1.0);
 }
 
 TEST_CASE("contract 11, together: boards with amplitudes") {
@@ -108,7 +105,7 @@ TEST_CASE("contract 11, together: boards with amplitudes") {
     bench.play(1);
     bench.run_ms(0.1);
     watch.begin();
-    const std::size_t cycles = size(20'000, 200);
+    const std::size_t cycles = soaked(20'000, 200);
     bench.run_ms(static_cast<double>(cycles) * 0.025);
     figures(
         "3 boards with amplitudes, {} cycles: edges at most {:.3f} clocks apart; {} pulses, {} cut, {} lost, {} "
@@ -128,7 +125,7 @@ TEST_CASE("contract 11, together: SYNC is lost for less than 16 cycles, and noth
     bench.join();
     bench.play(1);
     watch.begin();
-    const std::size_t losses = size(200, 12);
+    const std::size_t losses = soaked(200, 12);
     std::size_t missed = 0;
     for (std::size_t i = 0; i < losses; ++i) {
         const std::size_t cycles = 1 + g() % 15;

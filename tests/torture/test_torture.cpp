@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 
+#include "../soak.hpp"
 #include "bad_line.hpp"
 #include "cosim/bench.hpp"
 #include "haptogram/link/live_feed.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 /// The size of a case: `full` in a soak, a part of it otherwise.
 std::size_t size(std::size_t full, std::size_t quick) {
-    const std::size_t count = std::getenv("HAPTOGRAM_SOAK") != nullptr ? full : quick;
+    const std::size_t count = soaked(full, quick);
     fmt::print("torture: seed {}, ", Catch::rngSeed());
     return count;
 }
