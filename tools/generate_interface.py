@@ -540,9 +540,8 @@ wave_number is 2^27 / (128 · wavelength in mm): 122,212 for 8.58 mm. A single f
             out += [f"Words 0 to 7 are the name {table['protocol']['name']}, in ASCII, padded with zeros.", ""]
         out += parts[region] + [""]
         if region == "identity":
-            out += rows_of(("feature", "bit", "the board"), [(row["name"], row["bit"], row["about"]) for row in table["feature"]]) + [""]
-        if region == "status":
-            out += values_table("mode", table["mode"], "where the next record comes from") + values_table("role", table["role"], "the board")
+            bits = [f"{row['bit']} {row['name']}" + (f" ({row['parameter']})" if row.get("parameter", row["name"].upper()) != row["name"].upper() else "") for row in table["feature"]]
+            out += prose(f"Bits of features: {', '.join(bits)}. All cores have the first four; the others need the parameter in brackets, or that of their name.")
         if region == "parameters":
             out += prose("""\
 A write applies from the next carrier period or focus record whose words are begun. The slew limiter starts from what the pins do; after a reset, with outputs off, and \
@@ -552,7 +551,7 @@ after records of timings, which it does not limit, from amplitude 0 at the targe
 `base` is `foci_base` + (`first` − RECORDS − 1) · (`foci_last` + 1). The ring ends within primary memory and at index RECORDS + `foci_count` at the latest. A PUSH_FOCI \
 carries whole records. Their indices count up; after the ring's last comes its first.""")
         if region == "trigger":
-            out += values_table("event", table["event"], "a pulse when") + values_table("test", table["test"], "the test output")
+            out += values_table("event", table["event"], "a pulse when")
             out += prose(f"""\
 A host can write the first {trigger_settings(table)} words. A reset changes none. An event during a pulse lengthens it, and both count. The trigger input never switches \
 outputs on. Whether in_gates holds pulses back at the moment cannot be read.""")
@@ -578,12 +577,12 @@ break, half a bit longer for each tile, ends the chain and switches all outputs 
             *network_page(table["network"], table),
             *STREAM_PAGE,
             "## Boards in step", "", *prose("""\
-SYNC makes one board the master and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row), and numbered within \
+SYNC makes one board the master, whose every second cycle is a clock longer, and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row), and numbered within \
 128 periods more, as its status tells. Until it is in step it refuses ENABLE.""")]
     out += ["## Parameters of the core", "", "Of a parameter from 0 to 1, 1 means that the core has it.", ""]
     cells = []
     for p in table["parameter"]:
-        unit = "" if p["unit"] == "0 or 1" else f" {p['unit']}"
+        unit = "" if p["unit"] in ("", "0 or 1") else f" {p['unit']}"
         bounds = [f"{p['low']}…{p['high']}{unit}" if p["low"] != p["high"] else f"{p['low']}{unit}"]
         bounds += [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []

@@ -126,7 +126,7 @@ inline constexpr BitField modulation_words = {"modulation_words", 400, 16};  // 
 
 namespace status_field {  // words of 16 bits
 inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
-inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from
+inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from: 0 nowhere (the last may still be playing), 1 SELECT, 2 sequence memory, 3 live FIFO
 inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: ENABLE is refused
 inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
 inline constexpr BitField waiting = {"waiting", 5, 1};  // something waits behind a gate
@@ -145,7 +145,7 @@ inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // watchdog t
 inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // good frames that were refused
 inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // periods in which the slew limiter kept a channel from its target
 inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel
-inline constexpr BitField role = {"role", 224, 2};  // in step with other boards; 0 on boards without SYNC
+inline constexpr BitField role = {"role", 224, 2};  // 0 alone, 1 master, 2 slave of SYNC
 inline constexpr BitField in_step = {"in_step", 226, 1};  // a slave's cycles begin with the master's; if not, its outputs are off
 inline constexpr BitField numbered = {"numbered", 227, 1};  // a slave's periods have the master's numbers
 inline constexpr BitField sync_misses = {"sync_misses", 240, 16};  // periods in which SYNC came late to a slave in step
@@ -194,7 +194,7 @@ inline constexpr BitField in_low = {"in_low", 64, 1};  // the trigger input is a
 inline constexpr BitField in_level = {"in_level", 65, 1};  // 1: the active level triggers; 0: the change to it
 inline constexpr BitField in_gates = {"in_gates", 66, 1};  // while the input is inactive all pins are low; playing goes on, and `enabled` stays 1
 inline constexpr BitField in_least = {"in_least", 80, 16};  // clocks, beside the first, that a change of the input must last
-inline constexpr BitField test = {"test", 96, 2};  // off at power-up
+inline constexpr BitField test = {"test", 96, 2};  // what the test output shows: 0 low (power-up), 1 `carrier`, the pin of test_channel; toggles when 2 `cycle`, a carrier cycle begins at the pins, 3 `index`, another record does
 inline constexpr BitField test_channel = {"test_channel", 112, 16};  // channel of test `carrier`, in as many bits as a channel number needs
 inline constexpr BitField now = {"now", 128, 32};  // clocks since power-up as the answer begins; all words from here on are of that moment
 inline constexpr BitField now_high = {"now_high", 160, 16};  // bits 47…32
@@ -427,7 +427,7 @@ enum class Mode : unsigned {
 /// How its carrier cycles are kept in step with other boards.
 enum class Role : unsigned {
     alone = 0,  // keeps its own time
-    master = 1,  // gives the time; every second of its cycles is a clock longer
+    master = 1,  // gives the time
     slave = 2,  // takes the time from SYNC
 };
 
