@@ -182,7 +182,7 @@ constexpr Setting of_projects[] = {
                         "as tile-100; by default what the array's file says under [board]"),
     of<&Project::path>("path", "--path", File{},
                        "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm "
-                       "and intensity, or an .adaptics pattern, looked at --points times"),
+                       "and intensity, or an .adaptics pattern, sampled --points times"),
     with(of<&Project::points>("points", "--points", WholeNumbers{1, 65535},
                               "Focal points to take from a surface, a curve or a larger cloud; samples of an AdapTics "
                               "pattern; steps of the pass of a hand's frame"),
