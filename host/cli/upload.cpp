@@ -88,7 +88,7 @@ void add_upload(CLI::App& app, Action& action) {
     sub->add_option("--wait", options->upload.wait_s, "Seconds in which a port that was unplugged may come back")
         ->check(not_negative())
         ->capture_default_str();
-    sub->add_flag("--verify", options->upload.verify, "Read all of it back and compare, beyond the digests");
+    sub->add_flag("--verify", options->upload.verify, "Also read the whole image back and compare");
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
     sub->callback([options, &action] { action = [options] { return upload(*options); }; });
 }
