@@ -174,7 +174,7 @@ struct StopMessage {
 };
 /// The page is alive.
 struct BeatMessage {
-    bool hidden = false;  ///< nobody sees it
+    bool hidden = false;  ///< the page is not visible
 };
 
 using Message =
@@ -217,7 +217,7 @@ inline constexpr std::size_t most_drawn_triangles = 10'000, most_drawn_points = 
 /// A shape as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the
 /// vertices; u32 numbers of the vertices of triangles (three each); float32 x, y, z of the ends of line segments (two
 /// each) and of points. Larger meshes are sent coarser: vertices in one cell of a grid become one, which leaves no
-/// holes. Of larger clouds every so many-th point is sent. The header says how many there are.
+/// holes. Of larger clouds every n-th point is sent. The header says how many points there are.
 ///
 /// | at | type | what |
 /// |----|------|------|
