@@ -453,8 +453,8 @@ CRC, on the line `{coded}`. A reply tells the state when it is sent, even a repe
 
 A frame of frame_bytes bytes, decoded and without its CRC, always fits: a WRITE of one record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2 indices, or a \
 PUSH_FOCI of (frame_bytes − 4) / 8 foci.""")]
-    out += rows_of(("command", "code", "arguments, data…", "reply data", "what"), [
-        (c["name"], f"0x{c['code']:02X}", ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])]), c.get("reply", ""), c["about"]) for c in table["command"]])  # fmt: skip
+    out += rows_of(("command", "code", "arguments, data…", "what"), [
+        (c["name"], f"0x{c['code']:02X}", ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])]), c["about"]) for c in table["command"]])  # fmt: skip
     out += ["", *prose("""\
 Boards without modulation, schedule, foci, stream or SYNC answer MODULATE, GATE, PUSH_FOCI, STREAM or SYNC with unknown_command, or with bad_length if the length is \
 wrong, too.""")]
