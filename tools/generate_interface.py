@@ -451,8 +451,8 @@ Arguments and data are 16-bit words, low byte first. The live level is how many 
 0xFFFF, no reflection) of all bytes before it. On the line a frame is COBS-encoded and ends with a zero byte. For example, IDENTIFY with number 42 is `{plain}` and its \
 CRC, on the line `{coded}`. A reply tells the state when it is sent, even a repeated one.
 
-A frame of frame_bytes bytes, decoded and without its CRC, always fits: a WRITE of one record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2 indices, or a \
-PUSH_FOCI of (frame_bytes − 4) / 8 foci.""")]
+A frame of frame_bytes bytes, decoded and without its CRC, always fits: a WRITE of one record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2 indices, \
+if the live FIFO has room, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci.""")]
     out += rows_of(("command", "code", "arguments, data…", "what"), [
         (c["name"], f"0x{c['code']:02X}", ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])]), c["about"]) for c in table["command"]])  # fmt: skip
     out += ["", *prose("""\
@@ -461,7 +461,8 @@ wrong, too.""")]
     out += rows_of(("status", "code", "what"), [(s["name"], f"0x{s['code']:02X}", s["about"]) for s in table["status"]])
     out += ["", "## A line that loses bytes", "", *prose("""\
 Sequence numbers count modulo 256. The board applies each once and in order, answers every good frame, and drops damaged ones silently. A host sends again from the \
-first unanswered frame on. A refused frame does not use up its number: the next frame has the same one. Damage to the zero behind a frame can add a zero to the frame \
+first unanswered frame on. A frame is judged by its command and length first, then by its number, then by its arguments. A refused frame does not use up its number: the \
+next frame has the same one. Damage to the zero behind a frame can add a zero to the frame \
 and leave its CRC right; the board answers bad_length, and the host sends the frame again. The numbers of all hosts of this project:""")]
     out += rows_of(("number", "value", "what"), [(row["name"], row["value"], row["about"]) for row in table["link"]])
     rates = ", ".join(f"{rate:,}" for rate in known_rates(table))

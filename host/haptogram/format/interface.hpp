@@ -93,7 +93,7 @@ inline constexpr BitField kind = {"kind", 56, 8};  // what the channels' words m
 
 namespace sequence_header_field {  // words of 32 bits
 inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
-inline constexpr BitField autostart = {"autostart", 15, 1};  // an image in a bitstream or in flash plays at power-up and after a reset of the FPGA, with outputs enabled and no watchdog, until a host sends a command that does more than ask
+inline constexpr BitField autostart = {"autostart", 15, 1};  // 1: the image, in a bitstream or in flash, plays at power-up and after a reset of the FPGA, with outputs enabled and no watchdog, until a host sends a command that does more than ask
 inline constexpr BitField loops = {"loops", 16, 16};  // how often it plays; 0 is for ever
 }  // namespace sequence_header_field
 
