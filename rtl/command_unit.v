@@ -2,18 +2,18 @@
 //
 // Carries out one frame at a time: reads its words, checks its order and its arguments, applies it, and has it answered.
 //
-// Frames may be lost, damaged or repeated on the line. So each carries a sequence number, and this module takes each once and
-// in order: the expected one is applied; an earlier one has been applied before and is only answered (a read reads again); a
-// later one is refused, and its number stays expected. After reset, and when a session has ended, only IDENTIFY is taken, which says where the
-// numbers begin. A late copy of the one that began the session is only answered, and begins none when that has ended.
-// Nothing changes before the whole frame has been found good. PUSH is the exception: its indices wait in the live FIFO until
-// o_keep or o_take_back; so do those of PUSH_FOCI, whose words are written to where focus_ring says. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
-// Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
-// o_answer strobe, and what it is about stays until i_answered.
-// STREAM is a message: it has no place among the frames, but the number of its session, and is not answered. Its words are written
-// to where pattern_stream says.
-// i_top_index is the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
-// largest region. STATUS_WORDS is the length of the status block. FOCI, STREAM and NET are the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
+// Frames may be lost, damaged or repeated on the line. So each carries a sequence number, and is applied once and in order: a frame with the
+// expected number is applied; an earlier one was applied before and is only answered (a read reads again); a later one is refused, and the
+// expected number stays. After reset, and when a session has ended, only IDENTIFY is taken, which says where the numbers begin. An IDENTIFY with
+// the number that began the session is a late copy: it is only answered.
+// Nothing changes before the whole frame has been found good. PUSH is the exception: its indices wait in the live FIFO until o_keep or
+// o_take_back. So do the indices of PUSH_FOCI, whose words are written to the addresses that focus_ring names. Writes go out one word a clock and
+// pause only for i_hold; memory_controller.v relies on that.
+// Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the o_answer strobe, and
+// the fields beside it stay until i_answered. STREAM is a message, without an answer: in place of a sequence number it has the session's number,
+// and its words are written to the addresses that pattern_stream names.
+// i_top_index is the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the largest region. STATUS_WORDS is
+// the length of the status block. FOCI, STREAM and NET are the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
@@ -45,7 +45,7 @@ module command_unit #(
     output reg         o_refused,
     // WRITE: each word for o_address in o_region
     output wire        o_puts,              // a frame is here that writes; early in the clock
-    output wire        o_more,              // one is here, to be written as soon as it is not held
+    output wire        o_more,              // such a frame has a word to be written as soon as i_hold is low
     output wire        o_write,
     input  wire        i_hold,              // this word is being read, write it later
     output reg  [WORD_BITS-1:0] o_address,
@@ -57,14 +57,14 @@ module command_unit #(
     input  wire        i_ring_complete,
     input  wire        i_ring_split,
     // From and to pattern_stream
-    output wire        o_streams,           // strobe: a word of it is taken
+    output wire        o_streams,           // strobe: a word of STREAM is taken
     output wire        o_close,             // strobe: the frame has ended
     input  wire        i_stream_wait,
-    input  wire        i_stream_place,      // strobe: the next one goes to
+    input  wire        i_stream_place,      // strobe: the next word goes to
     input  wire [WORD_BITS-1:0] i_stream_address,
     input  wire        i_stream_keeps,
     input  wire        i_stream_split,
-    // PUSH and PUSH_FOCI: indices for the live FIFO, and what becomes of them
+    // PUSH and PUSH_FOCI: indices for the live FIFO, which are kept or taken back at the frame's end
     output wire        o_push,
     output wire        o_keep,
     output wire        o_take_back,
@@ -92,7 +92,7 @@ module command_unit #(
     reg [1:0]  count_q;                     // arguments taken
     reg        bad_index_q;                 // a PUSH has named an index above RECORDS
     reg        session_q;
-    reg        ended_q;                     // there is none since the last one was ended
+    reg        ended_q;                     // no session has begun since the last one ended
     reg [7:0]  session_number_q;            // that of the IDENTIFY which began it
 
     // What command_table says of this command.
@@ -106,7 +106,7 @@ module command_unit #(
     wire bad_length = length_q[0] || (tail_q ? payload_words_q <= arg_words : payload_words_q != arg_words);
     wire done = words_q == {LENGTH_BITS{1'b0}};
 
-    // ---- Its place among the frames
+    // ---- The frame's place in the order of frames
 
     wire [7:0] ahead = o_sequence - o_expected;
     wire begins   = command_q == `HG_COMMAND_IDENTIFY;

@@ -2,19 +2,18 @@
 //
 // Says what to play next: a stream of (index, dwell) from one selected index, from sequence memory, or from the live FIFO.
 //
-// A command strobe changes the mode at once and raises o_preempt for one clock. Then the memory controller drops what it has
-// prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one
-// last entry is offered: silence for ever. o_mode stays until that is taken, which is when the last index that is to be heard
-// begins to play; with amplitudes, up to a carrier period before. So whoever reads that nothing plays and that the mode is idle
-// knows that nothing is to come. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is valid/ready.
-// With i_follow a START waits for the end of what plays, and begins without a preempt, so that its first entry is the one after the
-// last: after a selected index whose dwell is 0 at once, after one with a dwell behind it, after a sequence behind its last entry, or
-// behind the last one of its present pass when it is played for ever, after live indices when none is left. When the silence that
-// comes after everything was offered already and may have been loaded, o_drop asks for that alone to be dropped.
-// After a reset the sequence header is read without a command: if its autostart bit is set, and no host has taken over since
-// power-up, the sequence starts and o_autostart strobes. That is how a bitstream with an image plays without a host, and how it goes
-// on after the PLL has lost its lock for a moment. While i_fills is high the memories are being filled, and a header that is read starts nothing.
-// SEQUENCE_DEPTH is the core's: the number of words of sequence memory.
+// A command strobe changes the mode at once and raises o_preempt for one clock. Then the memory controller drops the record that it has
+// prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one last entry is
+// offered: silence for ever. o_mode stays until that entry is taken, which is when the last audible index begins to play; with amplitudes, up to a
+// carrier period before. So whoever reads present index 0 and mode idle knows that nothing is to come. Sequence entries are fetched ahead and
+// take 3 clocks each. o_entry/i_take is valid/ready.
+// With i_follow a START waits for the end of what plays, and begins without a preempt, so that its first entry follows the last one: a selected
+// index whose dwell is 0 at once, another one after its dwell, a sequence after its last entry, or after the last entry of its present pass when it
+// is played for ever, live indices when none is left. If the silence behind the end was offered already, it may have been loaded; o_drop then
+// asks for that silence alone to be dropped.
+// After a reset the sequence header is read without a command. If its autostart bit is set, and no host has taken over since power-up, the sequence
+// starts and o_autostart strobes. So a bitstream with an image plays without a host, and goes on after the PLL has lost its lock for a moment. While
+// i_fills is high the memories are being filled, and the header starts nothing. SEQUENCE_DEPTH is the core's.
 `default_nettype none
 `include "interface.vh"
 module index_source #(

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lets DISABLE and STOP act as soon as their frame has arrived, and keeps what was sent before any switch-off from switching on again.
+// Lets DISABLE and STOP act as soon as their frame has arrived, and keeps frames that were sent before a switch-off from switching on again.
 //
-// A hand must not feel anything for the third of a second that 16 answers take on a slow line. So this looks at the bytes of each
-// frame beside frame_receiver: a DISABLE or STOP with a right CRC acts at once, whatever its sequence number, whatever waits, and also
-// when there is no room for it. i_off says that something else has switched outputs off: a break, the stop input, the watchdog, the
-// guard, loss of SYNC, or a DISABLE that a network port has seen. In each of these cases all that is on its way (old_frames.v) counts as
-// answered and not as done: o_disable is high from the next clock on until the last of it has been carried out or refused.
-// o_stop is the same for STOP alone, and o_stops strobes when that begins and when it ends, because a GATE in between may have been carried
-// out; i_stops is a STOP that came another way. o_ended is the same for the end of a session, i_ends. o_heard strobes at each DISABLE or STOP.
-// i_coming: the line is not idle, or a byte of it is on its way here. What reaches the line two clocks before i_off was there, too.
-// i_old: what still comes out of a network port was sent before the last of the port's own switch-offs (bit 0), STOPs (1), ends of a session (2).
+// A hand must not feel anything for the third of a second that 16 answers take on a slow line. So this module looks at the bytes of each frame
+// beside frame_receiver. A DISABLE or STOP with a right CRC acts at once, with any sequence number, ahead of waiting frames, and without room for
+// it. i_off: something else has switched outputs off, namely a break, the stop input, the watchdog, the guard, loss of SYNC, or a DISABLE that a
+// network port has seen. In all these cases the frames that are on their way are old (old_frames.v): they are answered and not carried out.
+// o_disable is high from the next clock on until the last old frame has been carried out or refused. o_stop is the same for STOP alone; o_stops
+// strobes when o_stop rises and when it falls, because a GATE in between may have been carried out. i_stops is a STOP from the network port.
+// i_ends and o_ended are the same for the end of a session. o_heard strobes at each DISABLE or STOP.
+// i_coming: the line is not idle, or one of its bytes is on its way here. Bytes that were on the line two clocks before i_off are old, too.
+// i_old: bytes that still come out of a network port were sent before the port's last switch-off (bit 0), STOP (1), or end of a session (2).
 // FRAMES is how many frames can wait at most. NET is the core's; without it i_stops, i_ends and i_old are 0.
 `default_nettype none
 `include "interface.vh"

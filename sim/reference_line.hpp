@@ -134,7 +134,7 @@ private:
     // The board's side. Clocks are those at the pin, which the board sees two later.
     Clock deaf_to_ = 0;  // last clock of reset
     bool level_ = true;
-    bool connected_ = false;  // the line has been high since reset; otherwise nobody is there who could send a break
+    bool connected_ = false;  // the line has been high since reset; otherwise no cable is there, and a low is no break
     Clock low_since_ = 0, break_at_ = never;
     ByteInput shared_, own_;  // of a chain; what the board takes its bytes from
     Clock byte_at_ = never, byte_began_ = never;

@@ -23,7 +23,7 @@ struct Firing {
     explicit Firing(std::uint32_t channels) : tick(channels, silent), ahead_tick(channels, silent) {
         rises.reserve(channels);
     }
-    /// A channel's pulse begins in this tick of the cycle, and lasts for so many, also into the next cycle.
+    /// A channel's pulse begins in this tick of the cycle and lasts for `ticks` ticks, also into the next cycle.
     void add(std::uint32_t channel, std::uint32_t at, std::uint32_t ticks) {
         tick[channel] = at;
         rises.push_back({at, channel, ticks});
@@ -180,7 +180,7 @@ private:
     std::vector<std::uint32_t> pins_;
     Clock alive_from_ = never;
     bool awake_ = false;
-    bool quiet_ = false;  // while the state is found again, nobody is told
+    bool quiet_ = false;  // while the state is found again, observers are not told
     std::function<void(Clock, std::uint32_t, bool)> on_change_;
 };
 

@@ -55,7 +55,7 @@ struct Served {
 Served serve(Board& board, HostLine& line, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch);
 
-/// The first of these configurations with so many channels, by its name.
+/// The first of these configurations with this many channels, by its name.
 /// @throws Error{bad_argument} for "channels" when there is none; the message lists those that there are
 [[nodiscard]] std::string_view model_with_channels(
     std::uint32_t channels, std::span<const interface::CoreConfiguration> models = available_models());

@@ -37,7 +37,7 @@ struct ServedTiles {
     std::vector<bool> enabled;  ///< outputs, one a tile, in the end
 };
 
-/// The first of these configurations with so many channels that can play together with others.
+/// The first of these configurations with this many channels that can play together with others.
 /// @throws Error{bad_argument} for "channels" when there is none
 [[nodiscard]] std::string_view tile_model_with_channels(std::uint32_t channels,
                                                         std::span<const interface::CoreConfiguration> models);

@@ -39,7 +39,7 @@ public:
     [[nodiscard]] std::size_t size() const { return tiles_.size(); }
     [[nodiscard]] Board& board(std::size_t i) { return *tiles_[i].board; }
     [[nodiscard]] Femtoseconds now() const { return now_; }
-    /// When this clock of a board comes; for its observers, of what they are told.
+    /// When this clock of a board comes, in the time of all boards; for a board's observers.
     [[nodiscard]] virtual Femtoseconds time_of(std::size_t board, Clock clock) const = 0;
     /// Runs all boards for so long.
     virtual void run(Femtoseconds duration) = 0;
@@ -76,7 +76,7 @@ protected:
     void add(std::unique_ptr<Board> board, const Oscillator& oscillator);
     /// Its level at the board's end, as it is at this time.
     static void see_wire(Tile& tile, Femtoseconds now);
-    /// Its frequency becomes another one after so many clocks.
+    /// Its frequency changes after this many clocks.
     void wander(Tile& tile);
 
     std::vector<Tile> tiles_;

@@ -3,8 +3,10 @@
 """Write every side's constants from tools/interface.toml; with --check, fail when a written file is stale."""
 
 import argparse
+import binascii
 import pathlib
 import sys
+import textwrap
 
 if sys.version_info < (3, 11):
     sys.exit("generate_interface.py needs Python 3.11 or newer (tomllib)")
@@ -405,173 +407,218 @@ def python(table):
     return "\n".join(out) + "\n"
 
 
+def example_frame(table):
+    """IDENTIFY with sequence number 42: the decoded frame without its CRC, and the bytes on the line. None of them is zero, so COBS adds one byte."""
+    body = bytes([42, next(row["code"] for row in table["command"] if row["name"] == "identify")])
+    body += binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "big")
+    return body[:2].hex(" ").upper(), (bytes([len(body) + 1]) + body + b"\0").hex(" ").upper()
+
+
+def rows_of(head, rows):
+    """A table of the page; Markdown needs no bars at the ends of its rows."""
+    return [" | ".join(head), "|".join(["---"] * len(head))] + [" | ".join(str(cell) for cell in row).rstrip() for row in rows]
+
+
+def prose(text):
+    """Paragraphs and lists of the page, as lines: a list's next lines are indented."""
+    lines = []
+    for paragraph in text.split("\n"):
+        indent = "  " if paragraph.startswith("- ") else ""
+        lines += textwrap.wrap(paragraph, 150, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False) or [""]
+    return lines + [""]
+
+
+def values_table(kind, rows, about):
+    return rows_of((kind, "value", about), [(row["name"], row["value"], row["about"]) for row in rows]) + [""]
+
+
 def page(table):
-    out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Address map, records, commands, status codes and parameters", ""]
-    out += ["## Address map", "", "One byte-addressed space of little-endian words. A field without bits takes whole words; of several, the first has the lowest bits.", ""]
-    out += ["| region | base | word | access | what |", "|---|---|---|---|---|"]
-    for r in table["region"]:
-        out.append(f"| {r['name']} | `0x{r['base']:08X}` | {r['word_bits']} bits | {r['access']} | {r['about']} |")
+    out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# What a host sends and reads, and what a core can be", ""]
+    out += prose("For a host in any language, and for FPGA engineers. [page_client.py](../tests/client_from_the_page/page_client.py) is a host of at most 150 lines, "
+                 "written from this page.")
+    plain, coded = example_frame(table)
+    out += ["## Frames", "", *prose(f"""\
+A host sends requests, and the board answers each. The serial line has 8 data bits, lowest first, no parity, one stop bit and no flow control; it idles high. A *break* \
+is a low of 20 bits or longer; send 25. A request is
+
+`sequence number, command, arguments…, data…, CRC high, CRC low`
+
+and its reply
+
+`sequence number, command | 0x80, status, next expected sequence number, live level low, high, data…, CRC high, CRC low`
+
+Arguments and data are 16-bit words, low byte first. The live level is how many indices wait in the live FIFO. The CRC is CRC-16/IBM-3740 (polynomial 0x1021, start \
+0xFFFF, no reflection) of all bytes before it. On the line a frame is COBS-encoded and ends with a zero byte. For example, IDENTIFY with number 42 is `{plain}` and its \
+CRC, on the line `{coded}`. A reply tells the state when it is sent, even a repeated one.
+
+A frame of frame_bytes bytes, decoded and without its CRC, always fits: a WRITE of one record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2 indices, \
+if the live FIFO has room, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci.""")]
+    out += rows_of(("command", "code", "arguments, data…", "what"), [
+        (c["name"], f"0x{c['code']:02X}", ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])]), c["about"]) for c in table["command"]])  # fmt: skip
+    out += ["", *prose("""\
+Boards without modulation, schedule, foci, stream or SYNC answer MODULATE, GATE, PUSH_FOCI, STREAM or SYNC with unknown_command, or with bad_length if the length is \
+wrong, too.""")]
+    out += rows_of(("status", "code", "what"), [(s["name"], f"0x{s['code']:02X}", s["about"]) for s in table["status"]])
+    out += ["", "## A line that loses bytes", "", *prose("""\
+Sequence numbers count modulo 256. The board applies each once and in order, answers every good frame, and drops damaged ones silently. A host sends again from the \
+first unanswered frame on. A frame is judged by its command and length first, then by its number, then by its arguments. A refused frame does not use up its number: the \
+next frame has the same one. Damage to the zero behind a frame can add a zero to the frame \
+and leave its CRC right; the board answers bad_length, and the host sends the frame again. The numbers of all hosts of this project:""")]
+    out += rows_of(("number", "value", "what"), [(row["name"], row["value"], row["about"]) for row in table["link"]])
+    rates = ", ".join(f"{rate:,}" for rate in known_rates(table))
+    out += ["", *prose(f"""\
+A host that does not know the rate sends IDENTIFY at {rates} baud, in this order, and waits {table['probe']['patience_ms']} ms each. To a faster board, slower bytes can \
+be a break; so the rate that answered last comes first.
+
+## Switching off
+
+Outputs go off by DISABLE, a break, the stop input, the watchdog, the guard, loss of SYNC, RESET, or a reset of the FPGA. **A frame whose first edge was at the pin \
+before that cannot switch outputs on.** Frames that wait or arrive when outputs go off are carried out and answered, but an ENABLE among them is answered ok and does \
+nothing. In the same way, a SELECT, START or PUSH from before a STOP is answered and not carried out.
+
+DISABLE and STOP act within 20 clocks of the last bit of their frame (over Ethernet, of their datagram) if its CRC is right. They overtake waiting frames, act with any \
+sequence number, without a session or in any host's session, and without room for them. So any answer to a DISABLE or STOP shows that it has acted. A late copy acts \
+again and ends what has begun since. Therefore **a host sends nothing after a DISABLE or STOP until the answer comes**; then no copy is under way. Frames behind a \
+DISABLE or STOP in the same datagram count as sent before it.
+
+A break also ends a frame, as a zero does. To silence a board whatever came before, send a zero (not needed over Ethernet), DISABLE and STOP with any numbers, and, \
+without an answer, a break.
+
+## Address map
+
+Addresses count bytes. Words are little-endian, of 32 bits in sequence, of 16 elsewhere. A field without bits takes whole words, the lowest bits in the first. A field \
+without a description is the parameter of that name. "Needs foci" means: on boards with that feature.""")]
+    out += rows_of(("region", "base", "access", "what"), [(r["name"], f"`0x{r['base']:08X}`", r["access"], r["about"]) for r in table["region"]])
+
     def bit_table(rows, word_bits):
-        lines = ["| word | field | what |", "|---|---|---|"]
+        """A parameter of the core needs no words, and the upper bits of a number that has three words no row of their own."""
+        high = {name.removesuffix("_high"): first + width - 1 for name, first, width, _ in rows if name.endswith("_high")}
+        cells = []
         for field, first, width, about in rows:
+            if field.removesuffix("_high") in high and field.endswith("_high"):
+                continue
             word, low = divmod(first, word_bits)
-            last, high = divmod(first + width - 1, word_bits)
+            last, end = divmod(high.get(field, first + width - 1), word_bits)
             place = f"{word}" if last == word else f"{word}…{last}"
-            if (low, high) != (0, word_bits - 1):
-                bits = f"bits {high}…{low}" if high != low else f"bit {low}"
-                place = f"{word}, {bits}" if last == word else f"{place}, bit {low} of word {word} to bit {high} of word {last}"
-            lines.append(f"| {place} | {field} | {about} |")
-        return lines
+            if (low, end) != (0, word_bits - 1):
+                bits = f"bits {end}…{low}" if end != low else f"bit {low}"
+                place = f"{word}, {bits}" if last == word else f"{place}, to bit {end}"
+                assert last == word or low == 0
+            cells.append((place, field, "" if about == field.upper() else about))
+        return rows_of(("word", "field", "what"), cells)
 
     parts = {name: bit_table(rows, word_bits) for name, rows, word_bits in layouts(table)}
-    out += ["", "## Record", "", "A header, and then a word for each channel.", ""] + parts["record"]
-    out.append(f"| {table['record']['header_words']}… | word[CHANNELS] | of channel 0, 1, …; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
-    out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
-    out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
-    out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1. Its cycle has 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks.",
-            "Under modulation an amplitude is multiplied by sample / 255 before its width is computed.", "",
-            "A pulse of a record of timings has min_pulse_clocks to max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle. On boards with",
-            "amplitudes its cycle has at least 8 clocks."]
-    out += ["", "A focus record has no header and lies in primary memory, too: `foci_last` + 1 foci of four words each, at the word"]
-    out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",
-            "16 bits of x, y and z (signed, 18 bits, in 1/128 mm), and then the amplitude in bits 15…8, 0 in 7…6, and the upper bits of z, y and",
-            "x in 5…4, 3…2 and 1…0."]
-    out += ["", "It is refused, and silence takes its place, when its index is above RECORDS + `foci_count`; when its last word lies beyond primary",
-            "memory; when bits 7…6 of a focus are not 0; or when `foci_cycle` is no cycle of a record of amplitudes (on a master or a slave,",
-            "not exactly one of 40 kHz). A channel whose x, y or z differs from a focus's by 1.024 m or more leaves that focus out, and the record",
-            "counts in `far_foci`."]
-    out += ["", "The board computes as follows. R is the distance of a channel from a focus in 1/128 mm. Phases are parts of a turn and say where in the",
-            "carrier period the middle of a pulse lies.", "",
-            "    phase of one focus = offset − R · wave_number / 2^27      (the channel's offset; a nearer channel plays later)",
-            "    sum                = Σ amplitude / 255 · e^(2πj · phase)    over the record's foci",
-            "    phase              = the sum's angle",
-            "    amplitude          = |sum| · gain / 39953, and 1 where that is more; 1 with foci_whole, but 0 where the sum is 0",
-            "    of the channel     = amplitude · (255 − lack) / 255         (what the geometry says that it lacks of full; records ignore it)", "",
-            "So wave_number is 2^27 / (128 · the wavelength in mm), 122,212 for 8.58 mm. A lone focus's phase is right to 0.0001 of a turn and its",
-            "amplitude to 0.1 % of full; a sum's to 0.0006, where it is at least a quarter of full, and to 0.5 %."]
-    out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
-    out += ["", "An entry, words 1… of it:", ""] + parts["sequence_entry"] + [""]
+    out += ["", "## Record", "", "A record has a header and a word for each channel.", ""] + parts["record"]
+    out += [f"{table['record']['header_words']}… | word[CHANNELS] | of channel 0, 1, …", "", *values_table("kind", table["kind"], "a channel's word")]
+    out += [*prose("""\
+A record of timings has a pulse of 0 (silence), or of min_pulse_clocks to max_pulse_clocks clocks and at most max_duty_256 / 256 of its cycle. On boards with amplitude \
+its cycle has at least 8 clocks, and not 2^TIMING_BITS + 1 to 2^TIMING_BITS + 2^WIDTH_BITS − 1 ticks. A record of amplitudes has pulse_length 0, prescaler 1, and a \
+cycle of 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, max_pulse_clocks) clocks. Modulation multiplies its amplitudes by sample / 255 before widths are computed. \
+Silence replaces a record that breaks a limit.
+
+A focus record has no header. The n-th one has index RECORDS + n and begins at word 4 · (`foci_base` + (n − 1) · (`foci_last` + 1)) of primary memory. It has \
+`foci_last` + 1 foci of four words: the lower 16 bits of x, y and z (signed, 18 bits, 1/128 mm), then amplitude in bits 15…8, 0 in 7…6, and the upper bits of z in \
+5…4, of y in 3…2, of x in 1…0.
+
+Silence replaces a focus record with an index above RECORDS + `foci_count`, a word beyond primary memory, bits 7…6 that are not 0, or a `foci_cycle` that a record of \
+amplitudes may not have (on a master or a slave: other than 40 kHz). A focus 1.024 m or more from a channel in x, y or z does not count for that channel; `far_foci` \
+counts such records.
+
+R is a channel's distance from a focus in 1/128 mm. Phases are in turns and say where in the carrier period a pulse's middle lies."""),
+            "    phase of a focus = offset − R · wave_number / 2^27           a nearer channel plays later",
+            "    sum              = Σ amplitude / 255 · e^(2πj · phase)       over the record's foci",
+            "    phase            = the sum's angle",
+            "    amplitude        = |sum| · gain / 39953, at most 1; with foci_whole 1, or 0 if the sum is 0",
+            "    of the channel   = amplitude · (255 − lack) / 255            other records ignore offset and lack", "",
+            *prose("""\
+wave_number is 2^27 / (128 · wavelength in mm): 122,212 for 8.58 mm. A single focus's phase is right to 0.0001 turn and its amplitude to 0.1 % of full; a sum's to \
+0.0006 turn, if it is at least a quarter of full, and to 0.5 %."""),
+            "## Sequence", "", "The header, word 0 of sequence memory:", "", *parts["sequence_header"], "", "An entry:", "", *parts["sequence_entry"], ""]  # fmt: skip
     for block in table["block"]:
-        out += [f"## The {block['region']} block", ""]
-        if block["region"] == "identity":
+        region = block["region"]
+        out += [f"## The {region} block", ""]
+        if region == "identity":
             out += [f"Words 0 to 7 are the name {table['protocol']['name']}, in ASCII, padded with zeros.", ""]
-        out += parts[block["region"]] + [""]
-        if block["region"] == "identity":
-            out += ["Bits of features:", "", "| bit | feature | what |", "|---|---|---|"]
-            out += [f"| {row['bit']} | {row['name']} | {row['about']} |" for row in table["feature"]] + [""]
-        if block["region"] == "parameters":
-            out += ["All may be written while the board plays, and count from the next carrier period, or record of foci, whose words are begun. The slew",
-                    "limiter starts from what the pins do. After a reset, while outputs were off, and after records of timings, which it does not limit, that is",
-                    "amplitude 0 with the phase at its target. A phase goes the shorter way round; from exactly half a turn away, backwards.", ""]
-        if block["region"] == "ring":
-            out += ["So `base` is `foci_base` + (`first` − RECORDS − 1) · (`foci_last` + 1). The ring must end within primary memory and at index RECORDS +",
-                    "`foci_count` at the latest. A PUSH_FOCI carries whole records; their indices follow each other and begin again behind the ring's last one.", ""]
-        if block["region"] == "trigger":
-            out += ["Values of event:", "", "| value | event | a pulse at the trigger output when |", "|---|---|---|"]
-            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["event"]] + ["", "Values of test:", "", "| value | test | the test output |", "|---|---|---|"]
-            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["test"]] + [""]
-            out += [f"A host may write the first {trigger_settings(table)} words. Like the memories they are not touched by a reset, and neither are clocks and counts. An event while the",
-                    "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.",
-                    "Whether in_gates holds pulses back at present cannot be read: outputs that are on count as enabled while their pins are silent.", ""]
-        if block["region"] == "description":
-            out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", "",
-                    f"In the flash of a board with SDRAM an image begins at {table['flash_image']['first']:#x} and has at most {table['flash_image']['bytes']:,} bytes: a zero, frames as they come over a line, each with",
-                    "its zero, and two zeros more. The first is IDENTIFY, all others are WRITE, numbered one after the other; one that is damaged or refused, or whose number",
-                    "is not the next, ends the reading. They are not answered. Any byte of a host ends the reading, too, and is the first of its own frame.", ""]
-        if block["region"] == "status":
-            for kind, about in (("mode", "where the next record comes from"), ("role", "what")):
-                out += [f"Values of {kind}:", "", f"| value | {kind} | {about} |", "|---|---|---|"]
-                out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table[kind]] + [""]
-    out += ["## Frames", "", "The line has 8 data bits, the lowest first, no parity, one stop bit and no flow control; it is high between bytes. A *break* is the line low for",
-            "20 bits or longer, which no byte does; 25 are safe.", "", "On the line a frame is COBS-encoded and ends with a zero byte. Decoded, a request is", ""]
-    out += ["`sequence number, command, arguments…, data…, CRC high, CRC low`", "", "and a reply is", ""]
-    out += ["`sequence number, command | 0x80, status, next expected sequence number, live level low, high, data…, CRC high, CRC low`", ""]
-    out += ["The CRC is CRC-16/IBM-3740 (polynomial 0x1021, start 0xFFFF, no reflection) over everything before it.", ""]
-    out += ["| command | code | arguments (16 bits each) and data… | reply data | what |", "|---|---|---|---|---|"]
-    for c in table["command"]:
-        sent = ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])])
-        out.append(f"| {c['name']} | 0x{c['code']:02X} | {sent} | {c.get('reply', '')} | {c['about']} |")
-    out += ["", "MODULATE, GATE, PUSH_FOCI, STREAM and SYNC are unknown to boards without modulation, schedule, foci, stream and SYNC, respectively;",
-            "a frame of one of them whose length is wrong, too, is answered bad_length. The longest frame",
-            "that is always taken has frame_bytes bytes, decoded and without its CRC: a WRITE of a record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2",
-            "indices, if there is room for them, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci. An answer tells the state of the moment when it is sent, also a",
-            "repeated one."]
-    out += ["", "| status | code | what |", "|---|---|---|"]
-    out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
-    out += ["", "## Switching off", "",
-            "DISABLE, a break, the stop input, the watchdog, the guard, loss of SYNC, RESET and a reset of the FPGA switch outputs off. **Whatever was sent",
-            "before that switches nothing on afterwards**: what is anywhere on its way then counts as old, from the first edge of its first byte at the pin",
-            "on. Frames that wait for their turn, and one that is arriving, are answered as usual and done, but an ENABLE among them is answered ok and does",
-            "nothing. In the same way a SELECT, START or PUSH that was sent before a STOP is answered and not done.", "",
-            "DISABLE and STOP act within 20 clocks of the last bit of their frame, over Ethernet of their datagram, if its CRC is right. They overtake the",
-            "frames ahead of them, act whatever their sequence number, without a session or in anybody's, and where there is no room for them. So any answer to",
-            "one shows that it has acted. A late copy acts again and ends what was begun since. So **a host sends nothing behind a DISABLE or STOP until that is",
-            "answered**; then no copy of it is under way. What is in the same datagram behind one counts as sent before it.", "",
-            "A break ends a frame as a zero does, so what comes behind it begins a frame.", "",
-            "A host that wants silence, whatever came before, sends a zero byte (over Ethernet none is needed), DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
-            "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
-            "answered, from the first missing frame on; the board applies each sequence number once. A damaged bit in the zero behind a frame can add a zero to",
-            "it and leave its CRC right. The board then refuses the frame for its length, and the host sends it again. This project's hosts all use these numbers:", ""]
-    out += ["| number | value | what |", "|---|---|---|"]
-    out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
-    rates = ", ".join(f"{rate:,}" for rate in known_rates(table))
-    out += ["", f"A host that does not know the board's rate sends IDENTIFY at {rates} baud, in this order, and waits {table['probe']['patience_ms']} ms each. Faster bytes",
-            "are noise to a board, but a slower one can be a break, which turns its outputs off; so the rate that answered last comes first."]  # fmt: skip
+        out += parts[region] + [""]
+        if region == "identity":
+            bits = [f"{row['bit']} {row['name']}" + (f" ({row['parameter']})" if row.get("parameter", row["name"].upper()) != row["name"].upper() else "") for row in table["feature"]]
+            out += prose(f"Bits of features: {', '.join(bits)}. All cores have the first four; the others need the parameter in brackets, or that of their name.")
+        if region == "parameters":
+            out += prose("""\
+A write applies from the next carrier period or focus record whose words are begun. The slew limiter starts from what the pins do; after a reset, with outputs off, and \
+after records of timings, which it does not limit, from amplitude 0 at the target's phase. A phase goes the shorter way round; from exactly half a turn away, backwards.""")
+        if region == "ring":
+            out += prose("""\
+`base` is `foci_base` + (`first` − RECORDS − 1) · (`foci_last` + 1). The ring ends within primary memory and at index RECORDS + `foci_count` at the latest. A PUSH_FOCI \
+carries whole records. Their indices count up; after the ring's last comes its first.""")
+        if region == "trigger":
+            out += values_table("event", table["event"], "a pulse when")
+            out += prose(f"""\
+A host can write the first {trigger_settings(table)} words. A reset changes none. An event during a pulse lengthens it, and both count. The trigger input never switches \
+outputs on. Whether in_gates holds pulses back at the moment cannot be read.""")
+        if region == "description":
+            flash = table["flash_image"]
+            out += prose(f"""\
+A bitstream holds only records and a sequence; an image of format 2 is uploaded. In the flash of a board with SDRAM an image begins at {flash['first']:#x} and has at \
+most {flash['bytes']:,} bytes: a zero, frames as on the line, each with its zero, and two more zeros. The first frame is IDENTIFY, all others are WRITE with \
+consecutive numbers. None is answered. A frame that is damaged, refused or out of order ends the reading. So does a byte from a host, which begins the host's frame.""")
     chain = table["chain"]
-    out += ["", "## A chain of tiles", "",
-            "Boards with chain pass the line on: from each board's second serial port a wire leads to the next one's first, and one back. Then two bytes",
-            f"stand before each frame, outside of its COBS: 2 · n + 1 for the n-th tile, counted from 1 to {chain['most_tiles']}, or {chain['all']} for all; and behind it the",
-            "complement of that byte's upper seven bits, above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. Two bytes that do not",
-            "fit each other are for nobody. A tile counts the number down as it passes the frame on, and takes for its own what comes with 3, 253. An answer",
-            "carries the number of its tile in the same two bytes, which each tile on its way has counted up. A zero is passed on as a zero, whatever came before.", "",
-            "Each tile has a session of its own. All tiles carry out and answer what is for all; each judges its number by its own session. So a host that",
-            "wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
-            f"After power-up a board passes nothing on. The three bytes {chain['all']}, 253, 0 make it one of a chain, and from then on go to the next tile. So a host sends a",
-            "zero, to end what may be on the line, then the three bytes, and asks the first tile; sends them again and asks the second; until one has not",
-            "answered in 0.3 s. To a board without chain they are a damaged frame. A break of the line, which must be half a bit longer for each tile, ends",
-            "the chain and turns all outputs off.", "",
+    out += ["## A chain of tiles", "", *prose(f"""\
+From the second serial port of a board with chain one wire goes to the next board's first port, and one comes back. In a chain, two bytes stand before each frame, \
+outside of its COBS. The first is 2 · n + 1 for tile n (1 to {chain['most_tiles']}), or {chain['all']} for all. The second is the complement of the first byte's upper \
+seven bits above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. Bytes that do not fit together make nobody's frame. Each tile counts n down as it \
+passes a frame on, and takes 3, 253 as its own. An answer carries its tile's number in the same two bytes. A zero is always passed on as a zero.
+
+Each tile has its own session, by which it judges a frame for all; all tiles carry out and answer such a frame. So a host that wants more of all tiles than DISABLE, STOP \
+and IDENTIFY begins all sessions by one IDENTIFY for all.
+
+After power-up a board passes nothing on. The bytes {chain['all']}, 253, 0 make it one of a chain; the next such bytes go to the next tile. So a host sends a zero and \
+the three bytes and asks tile 1; sends the three bytes and asks tile 2; until one has not answered in 0.3 s. A board without chain takes them for a damaged frame. A \
+break, half a bit longer for each tile, ends the chain and switches all outputs off."""),
             *network_page(table["network"], table),
             *STREAM_PAGE,
-            "## Boards in step", "",
-            "SYNC makes one board the master and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row),",
-            "and numbered within 128 periods more; its status says so. Until it is in step it refuses ENABLE.", ""]
-    out += ["## Parameters of the core", "", "| parameter | range | default | what | why |", "|---|---|---|---|---|"]
+            "## Boards in step", "", *prose("""\
+SYNC makes one board the master, whose every second cycle is a clock longer, and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row), and numbered within \
+128 periods more, as its status tells. Until it is in step it refuses ENABLE.""")]
+    out += ["## Parameters of the core", "", "Of a parameter from 0 to 1, 1 means that the core has it.", ""]
+    cells = []
     for p in table["parameter"]:
-        unit = "" if p["unit"] == "0 or 1" else f" {p['unit']}"
-        bounds = [f"{p['low']}…{p['high']}{unit}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
+        unit = "" if p["unit"] in ("", "0 or 1") else f" {p['unit']}"
+        bounds = [f"{p['low']}…{p['high']}{unit}" if p["low"] != p["high"] else f"{p['low']}{unit}"]
+        bounds += [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []
         bounds += ["or 0"] if p.get("optional") else []
         bounds += [f"0 without {p[key]}" for key in ("needs", "needs_too") if key in p]
-        out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
+        cells.append((p["name"], ", ".join(bounds), p["default"], f"{p['about'][0].upper()}{p['about'][1:]}. {p['why']}"))
+    out += rows_of(("parameter", "range", "default", "what, and why"), cells)
     rows = configurations(table)
     default = {p["name"]: p["default"] for p in table["parameter"]}
-    out += ["", "## Named configurations", "", "A parameter that is not named has its default. `tools/interface.toml` has more, for tests; each board of `constraints/` is one, whose",
-            "parameters `haptogram board pinout BOARD --json` tells.", "", "| configuration | parameters | what |", "|---|---|---|"]
-    for row in table["configuration"]:
-        if "about" in row:
-            other = ", ".join(f"{key} {value}" for key, value in rows[row["name"]].items() if value != default[key])
-            out.append(f"| {row['name']} | {other or 'the defaults'} | {row['about']} |")
+    out += ["", "## Named configurations", "", *prose("""\
+Other parameters have their defaults. `tools/interface.toml` has more, for tests. Each board of `constraints/` is a configuration, too: `haptogram board pinout BOARD \
+--json` tells its parameters.""")]
+    other = {name: ", ".join(f"{key} {value}" for key, value in values.items() if value != default[key]) for name, values in rows.items()}
+    out += rows_of(("configuration", "parameters", "what"), [(row["name"], other[row["name"]] or "the defaults", row["about"]) for row in table["configuration"] if "about" in row])
     return "\n".join(out) + "\n"
 
 
 STREAM_PAGE = [
-    "## A stream of patterns", "",
-    "On boards with stream a host can send a new pattern for every carrier period. Frames of STREAM are never answered and never sent again. In the",
-    "place of a sequence number they carry that of the IDENTIFY which began the session; in no other session are they taken. So an IDENTIFY that begins a",
-    "session anew has another number than the one before, or late patterns of that one would be taken. They change no number of the session, and start",
-    "the watchdog's time anew.", "",
-    "The stream block names 2^slot_bits records, the slots, which a host prepares: their headers say what their words are, and a cycle of one carrier",
-    "period. A pattern is the words of a record behind its header, CHANNELS of them, or a whole focus record. The first of a frame is for the period that it",
-    "names, each other one for the period after. That for period p goes into slot p mod 2^slot_bits, and plays in period p alone; which record",
-    "plays then is decided 1.4 periods before p begins, or earlier by up to half a period where cycles are shorter than that of 40 kHz.", "",
-    "- **Late**: that decision was made already. **Early**: 2^slot_bits periods or more behind the last decision. **Repeated**: the slot has that period's",
-    "  pattern already. None of these changes anything but its counter. Whatever is left of a pattern at a frame's end is refused, those before it hold.",
-    "- A stream begins when the first pattern's time has come; then it ends what else plays, as SELECT does. A period without a pattern is **lost**: the last",
-    "  pattern plays on. After `hold` of them the stream ends: amplitudes fall by `fade` a period, and the mode is idle. A later pattern begins a new one.",
-    "- SELECT, START, PUSH and STOP end it, and so does all that switches outputs off, IDENTIFY, a word written to the stream block or one of the first three",
-    "  of the parameters block, which say where foci lie, and a",
-    "  period number that does not follow the one before (of a slave that gets the master's). Then all slots are empty. Patterns that were sent before a",
-    "  DISABLE or STOP, or come while a stop input or a missing SYNC keeps outputs off, are dropped without a count.", "",
+    "## A stream of patterns", "", *prose("""\
+On boards with stream a host can send a new pattern for every carrier period. A STREAM frame is neither answered nor sent again. In place of a sequence number it \
+carries that of the IDENTIFY that began the session, and only that session takes it. So each IDENTIFY needs another number than the one before, or late patterns of the \
+old session would be taken. STREAM restarts the watchdog's time.
+
+The stream block names 2^slot_bits records as slots. The host writes their headers, with a cycle of one carrier period. A pattern is the CHANNELS words of a record \
+behind its header, or a whole focus record. The first of a frame is for the period that the frame names, the others for the periods after it. The pattern for period p \
+goes into slot p mod 2^slot_bits and plays in period p only. What plays in p is decided 1.4 periods before p begins, or up to half a period earlier where cycles are \
+shorter than at 40 kHz.
+
+- A pattern is **late** if its period was already decided, **early** if its period is 2^slot_bits or more behind the last decided one, **repeated** if its slot already \
+has that period's pattern. It changes only its counter. An incomplete pattern at a frame's end is refused; those before it hold.
+- A stream begins when the first pattern's time comes, and ends what else plays. A period without a pattern is **lost**: the last pattern plays on. After `hold` lost \
+periods the stream ends: amplitudes fall by `fade` a period, and the mode is idle. A later pattern begins a new stream.
+- SELECT, START, PUSH, STOP, IDENTIFY, a switch-off, a write to the stream block or to the first three words of the parameters block, and a jump of the period number (a \
+slave takes the master's) end a stream and empty all slots. Patterns from before a DISABLE or STOP, or while the stop input or missing SYNC keeps outputs off, are \
+dropped without a count."""),
 ]
 
 
@@ -581,31 +628,31 @@ def link_number(table, name):
 
 def network_page(net, table):
     codes = {row["name"]: f"0x{row['code']:02x}" for row in table["command"]}
+    tries, first = (link_number(table, name) * link_number(table, "patience_ms") // net["patience_ms"] for name in ("tries", "first_tries"))
     return [
-        "## Over Ethernet", "",
-        f"A board with net has an IPv4 address, answers ARP and ping, and takes UDP at port {net['port']}, at 1 Gbit/s only. A datagram of at most",
-        f"{net['datagram_bytes']} bytes is a stretch of the line with whole frames; answers gather for 50 µs. All else stays as on a line, but for two numbers:",
-        f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time: "
-        f"{link_number(table, 'tries') * link_number(table, 'patience_ms') // net['patience_ms']}, and {link_number(table, 'first_tries') * link_number(table, 'patience_ms') // net['patience_ms']} of identify.", "",
-        f"- A datagram is dropped whole and counted as damaged when its FCS is wrong, to port {net['port']} a sum of IP or UDP (0 is none), or when there is no",
-        "  room; but a DISABLE or STOP in one without room acts. Dropped without a count: lengths that contradict each other, fragments, IP options, VLAN tags,",
-        "  what is for another address, to all, or to a group. A frame ends with its datagram: one without a zero at its end is given one.",
-        f"- There is room for {2 ** 12:,} bytes of datagrams, beside what has been taken out meanwhile, a byte a clock. A host keeps the bytes of what is not answered",
-        "  below that, or sends again what was dropped.",
-        f"- The **peer** is the first sender of a good datagram, also an empty one, by MAC, IP and port, until it has been silent for {net['silence_ms']} ms. Each good",
-        "  datagram of it, also an empty one, keeps it. Datagrams of others are refused and counted.",
-        "- Loss of the link, by the PHY's status or its clock, is a break, and nothing is left of a datagram in which it happens. Only a board that plays by",
-        "  itself, of which no host has wanted more than to ask, goes on.",
-        "- **A session ends** when the link is lost, when anybody has sent DISABLE to the open port, and when the peer is another than the one before (one that",
-        "  has been silent and comes back is the same). From then on, and for all that was on its way, nothing is done, and each frame is answered with",
-        "  session_ended, an IDENTIFY that was on its way, too. A host sends nothing of that session again, takes no such answer for one to an earlier frame, and",
-        "  tells whoever uses it that outputs are off; not before that, and only if asked, it sends IDENTIFY, with another number than that which had begun the",
-        "  session, because that one is taken for a late copy and answered session_ended, too. A session goes on after a STOP of anybody.",
-        "- A host has no line to break. What stands for it is DISABLE at the open port, which ends the session, also its own.",
-        "- There is **no authentication**: use a private wire or switch.", "",
-        f"The open port, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. IDENTIFY ({codes['identify']}) only asks, and alone may be sent to all (broadcast).",
-        f"DISABLE ({codes['disable']}) switches off and ends the session, and STOP ({codes['stop']}) is as that command. The answer is `H`, `G`, the command | 0x80, a byte of flags (bit 0: there is a",
-        "peer; bit 1: outputs were on as the question came), the identity block, and three counters of 16 bits: datagrams taken, refused, damaged.", "",
+        "## Over Ethernet", "", *prose(f"""\
+A board with net has an IPv4 address, answers ARP and ping, and takes frames in UDP datagrams at port {net['port']}, at 1 Gbit/s only. A datagram has at most \
+{net['datagram_bytes']} bytes and holds whole frames; the zero at its end may be missing. The window is {net['window']} and patience_ms {net['patience_ms']}, with as \
+many tries as fill the same time: {tries}, and {first} of IDENTIFY. Answers gather for 50 µs.
+
+- **Room.** The board has room for {2 ** 12:,} bytes of datagrams and takes out a byte a clock. A host keeps its unanswered bytes below that, or sends again what was dropped.
+- **Dropped datagrams.** A wrong FCS, a wrong IP or UDP sum to port {net['port']} (a UDP sum of 0 is none) or no room drops a datagram whole and counts as damaged; a \
+DISABLE or STOP acts even without room. Dropped without a count: contradictory lengths, fragments, IP options, VLAN tags, other addresses, broadcast, multicast.
+- **Peer.** The first sender of a good datagram, by MAC, IP and port, is the peer until it has been silent for {net['silence_ms']} ms. Any good datagram makes and keeps \
+a peer, even an empty one. Datagrams of others are refused and counted.
+- **A session ends** when the link is lost, when anybody sends DISABLE to the open port, and when the peer is another than the last one. A peer that was silent and \
+comes back keeps its session. STOP ends no session. After the end no frame is carried out, not even one on its way; each is answered session_ended, even an IDENTIFY \
+on its way.
+- **After the end** a host takes session_ended for no answer to an earlier frame, sends nothing of that session again, and reports that outputs are off. Only then, and if \
+asked, it sends IDENTIFY, with another number than the one that began the session, which counts as a late copy.
+- **Break.** A host has no line to break. It sends DISABLE to the open port, which ends the session, whoever's it is. Loss of the link (by the PHY's status or clock) is \
+a break, and loses a datagram in which it happens. Only a board that plays by itself, of which no host has wanted more than to ask, plays on.
+- There is **no authentication**: use a private wire or switch.
+
+The *open port*, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. The command is IDENTIFY ({codes['identify']}), which only asks and may be \
+broadcast, DISABLE ({codes['disable']}), which switches off and ends the session, or STOP ({codes['stop']}). The answer is `H`, `G`, the command | 0x80, a byte of \
+flags, the identity block, and three 16-bit counts of datagrams: taken, refused, damaged. Flag bit 0: there is a peer. Bit 1: outputs were on when the question came, \
+even if a DISABLE has then switched them off."""),
     ]
 
 

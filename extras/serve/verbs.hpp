@@ -40,7 +40,7 @@ public:
     [[nodiscard]] static bool ends(const std::string& request);
     /// Four doubles: x, y, z in metres, and the amplitude. @throws Error
     void focus(std::span<const std::uint8_t> bytes, Client client);
-    /// Returns at once but for a stop, which waits for its confirmation. @throws Error
+    /// Returns at once, except after a stop, which waits for its confirmation. @throws Error
     void act(const OscMessage& message, Client sender);
     /// What went wrong with a message that act() had taken, once; empty when nothing has.
     [[nodiscard]] std::string take_trouble();

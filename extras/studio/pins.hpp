@@ -25,7 +25,7 @@ inline constexpr std::uint32_t most_pulse_periods = 40;
 /// no Verilated core for the image, or none was built
 [[nodiscard]] Pins simulate_pins(const Scene& scene, const Progress& progress);
 
-/// The pulses that rise within so many carrier periods from the first pulse of a record on: {"index", "clock_hz",
+/// The pulses that rise within `periods` carrier periods from the first pulse of a record on: {"index", "clock_hz",
 /// "from_clk", "to_clk", "pulses": [[channel, rise_clk, fall_clk, index], …]}.
 /// @throws Error{bad_argument} for a record that had no pulse, or for no periods or more than most_pulse_periods
 [[nodiscard]] nlohmann::ordered_json pulses_json(const Pins& pins, std::uint32_t index, std::uint32_t periods);

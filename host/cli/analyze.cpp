@@ -175,9 +175,8 @@ int analyze_array(const AnalyzeOptions& options) {
 void add_analyze(CLI::App& app, Action& action) {
     auto options = std::make_shared<AnalyzeOptions>();
     CLI::App* sub = app.add_subcommand("analyze",
-                                       "What each focus of what plays is like, and how loud it all is; or, of --array "
-                                       "alone, what pressure it can reach "
-                                       "where");
+                                       "Measure each focus of an input, and how loud it is; or, with --array alone, "
+                                       "the pressure that the array reaches in each place");
     add_source(*sub, options->what);
     sub->add_option("--least-force", options->least_mn,
                     "Warn of points with less in their focus, mN (default: 0.06 gf, about the least that a palm felt "

@@ -332,7 +332,7 @@ int list(bool as_json) {
 }  // namespace
 
 void add_board(CLI::App& app, Action& action) {
-    CLI::App* sub = app.add_subcommand("board", "The FPGA boards, and which of their pins drives which element");
+    CLI::App* sub = app.add_subcommand("board", "List FPGA boards and their pins, or run one without hardware");
     // Checked after parsing, so that an unknown subcommand is reported first.
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
@@ -365,12 +365,11 @@ void add_board(CLI::App& app, Action& action) {
 
     auto options = std::make_shared<PinoutOptions>();
     CLI::App* pins = sub->add_subcommand(
-        "pinout",
-        "Print the connector, pin and ball of every channel, and where its element sits: to draw a cable from");
+        "pinout", "Print the connector, pin and ball of every channel, and where its element is, for making a cable");
     pins->add_option("board", options->board, "Board file (TOML) or shipped board")->required();
     pins->add_option("--array", options->array, "Array file (TOML) or shipped array (default: the board's)");
     auto* json = pins->add_flag("--json", options->json, "As JSON, with all that the board file says");
-    pins->add_flag("--csv", options->csv, "As CSV, the rows alone")->excludes(json);
+    pins->add_flag("--csv", options->csv, "As CSV, only the rows")->excludes(json);
     pins->add_option("-o,--output", options->output, "File; - is standard output, .svg a picture of the wiring")
         ->capture_default_str();
     pins->callback([options, &action] { action = [options] { return write_pinout(*options); }; });

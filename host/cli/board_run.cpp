@@ -279,11 +279,11 @@ void add_board_run(CLI::App& board, Action& action) {
     sub->add_option("--loss", options->net_faults.loss, "Share of the datagrams that are lost, each way")
         ->needs(net)
         ->check(CLI::Range(0.0, 1.0));
-    sub->add_option("--duplicates", options->net_faults.duplicates, "Share that comes twice")
+    sub->add_option("--duplicates", options->net_faults.duplicates, "Share of the datagrams that come twice")
         ->needs(net)
         ->check(CLI::Range(0.0, 1.0));
     sub->add_option("--jitter-ms", options->net_faults.jitter_ms,
-                    "Each is late by up to so much, so that they come in another order, too")
+                    "Datagrams come up to this much late, so also in another order")
         ->needs(net)
         ->check(CLI::Range(0.0, 1000.0));
     sub->add_option("--speed", options->speed, "No faster than a real board, or as fast as this machine can")
@@ -306,7 +306,8 @@ void add_board_run(CLI::App& board, Action& action) {
     sub->add_flag("--chain", options->tiles.chain,
                   "One pseudo-terminal for all of them: each passes the serial line on to the next; --pty names it")
         ->needs(tiles);
-    sub->add_option("--drift-ppm", options->tiles.drift_ppm, "Their crystals are off by up to so much, to either side")
+    sub->add_option("--drift-ppm", options->tiles.drift_ppm,
+                    "The boards' crystals are off by up to this much, to either side")
         ->needs(tiles)
         ->check(CLI::Range(0.0, 50.0))
         ->capture_default_str();

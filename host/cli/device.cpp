@@ -183,7 +183,7 @@ int sync(const DeviceOptions& options) {
 }  // namespace
 
 void add_device(CLI::App& app, Action& action) {
-    CLI::App* sub = app.add_subcommand("device", "A board behind a port: what it is and does, and its outputs");
+    CLI::App* sub = app.add_subcommand("device", "Ask a board what it is and does, and control its outputs");
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
             action = []() -> int {

@@ -95,9 +95,10 @@ int field(const FieldCommand& command, const std::vector<std::string>& given) {
 void add_field(CLI::App& app, Action& action) {
     auto options = std::make_shared<FieldCommand>();
     CLI::App* sub = app.add_subcommand(
-        "field", "The sound field of what plays, on average over its sequence, along a line, in a plane or a volume");
+        "field",
+        "Compute the sound field of an input, averaged over its sequence, along a line, in a plane or in a volume");
     add_source(*sub, options->what);
-    sub->add_option("--record", options->what.source.record, "Only this record of it")
+    sub->add_option("--record", options->what.source.record, "Only this record")
         ->excludes(sub->get_option("--focus"))
         ->check(whole(1, 65535));
     auto* plane = sub->add_option("--plane", options->plane,
@@ -130,7 +131,7 @@ void add_field(CLI::App& app, Action& action) {
         ->excludes(wanted)
         ->excludes("--record");
     add_am(*sub, options->am, options->am_law);
-    sub->add_option("--threads", options->threads, "0: as many as there are")
+    sub->add_option("--threads", options->threads, "Threads; 0: one for each processor")
         ->check(whole(0, 1024))
         ->capture_default_str();
     sub->add_option("-o,--output", options->output,

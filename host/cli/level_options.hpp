@@ -31,7 +31,7 @@ inline void add_level_options(CLI::App& sub, LevelOptions& level, const std::str
         sub.add_option("--measured-mv", level.measured_mv,
                        lead + "from a calibrated microphone's rms voltage at --focus, at full steady drive, mV");
     auto* sensitivity = sub.add_option("--sensitivity", level.sensitivity,
-                                       "Of that microphone at the carrier, with its amplifier, mV/Pa");
+                                       "The microphone's sensitivity at the carrier, with its amplifier, mV/Pa");
     force->check(positive())->excludes(volts)->needs(sub.get_option("--focus"));
     volts->check(positive())->needs(sensitivity)->needs(sub.get_option("--focus"));
     sensitivity->check(positive())->needs(volts);

@@ -11,6 +11,8 @@
 #include <exception>
 #include <iostream>
 #include <numeric>
+#include <regex>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -115,6 +117,24 @@ std::string meant(const CLI::App& app, std::string_view word) {
     return nearest.empty() || least >= word.size() ? "" : fmt::format("; did you mean {}?", nearest);
 }
 
+/// What CLI11 says of wrong usage, in the words of this program.
+std::string in_plain_words(const std::string& text) {
+    static const std::regex together("(\\S+) excludes (\\S+)"), no_number("Could not convert: (\\S+) = (.*)"),
+        no_choice("(\\S+): (.*) not in \\{(.*)\\}"), comma(",");
+    std::smatch part;
+    if (std::regex_match(text, part, together)) {
+        const bool has_spaces = part.str(1) == "source" && part.str(2) == "--focus";
+        return fmt::format("{} and {} cannot be given together{}", part.str(1), part.str(2),
+                           has_spaces ? "; a focus is x,y,z without spaces" : "");
+    }
+    if (std::regex_match(text, part, no_number))
+        return fmt::format("{}: found '{}', expected a number", part.str(1), part.str(2));
+    if (std::regex_match(text, part, no_choice))
+        return fmt::format("{}: found '{}', expected one of {}", part.str(1), part.str(2),
+                           std::regex_replace(part.str(3), comma, ", "));
+    return text;
+}
+
 /// Runs `work`; an exception becomes a line on stderr and an exit code.
 template <class Work>
 int guarded(const CLI::App& app, Work work) {
@@ -176,6 +196,10 @@ int run(int argc, char** argv) {
         "haptogram");
     app.set_version_flag("--version", about_this_build());
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
+    app.failure_message([](const CLI::App* command, const CLI::Error& error) {
+        const std::string text = error.what();
+        return in_plain_words(text) + CLI::FailureMessage::simple(command, error).substr(text.size());
+    });
     Action action;
     for (const Group& group : groups) {
         std::vector<AddCommand> commands = group.commands;

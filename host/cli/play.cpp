@@ -169,9 +169,8 @@ int play(const PlayOptions& options) {
 
 void add_play(CLI::App& app, Action& action) {
     auto options = std::make_shared<PlayOptions>();
-    CLI::App* sub = app.add_subcommand("play",
-                                       "Turn the outputs on and play what is in the memories of a board, or of a rig's "
-                                       "boards, until its end or Ctrl-C; then off again");
+    CLI::App* sub = app.add_subcommand(
+        "play", "Play what a board, or a rig's boards, hold: outputs go on, and off at the end or at Ctrl-C");
     auto* rig = add_rig_port_options(*sub, options->ports);
     add_on_loss_option(*sub, rig, options->on_loss);
     auto* index = sub->add_option("--index", options->play.index, "One record, until Ctrl-C")->check(whole(1, 65535));
@@ -206,8 +205,8 @@ void add_play(CLI::App& app, Action& action) {
                                         "this speed of sound meanwhile")
                             ->check(CLI::Range(least_c, most_c));
     sub->add_option("--temperature-from", options->temperature_from,
-                    "The same of a sensor's lines, degrees C, as they come: a pipe or device, or - for standard input; "
-                    "playing begins with the first")
+                    "Temperatures as a sensor sends them, a line each, degrees C: a pipe or device, or - for standard "
+                    "input; playing begins with the first")
         ->excludes(temperature)
         ->excludes(triggers);
     add_am(*sub, options->am, options->am_law);

@@ -20,8 +20,7 @@ void add_port_options(CLI::App& sub, link::PortSettings& settings) {
 void add_baud_option(CLI::App& sub, std::optional<std::uint32_t>& baud) {
     sub.add_option(
            "--baud", baud,
-           fmt::format("Its rate, which the board's build fixes (default: that of {} at which it answers, which "
-                       "is remembered)",
+           fmt::format("Baud rate, fixed by the board's build (default: tries {}, and remembers the one that works)",
                        fmt::join(link::known_rates, ", ")))
         ->check(whole(300, 12'000'000));
 }

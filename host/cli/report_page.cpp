@@ -46,8 +46,8 @@ int make_report(const ReportOptions& options) {
 
 void add_report(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReportOptions>();
-    CLI::App* sub = app.add_subcommand(
-        "report", "A page about what plays, or the paragraph on it for a paper's section on methods");
+    CLI::App* sub =
+        app.add_subcommand("report", "Write a page about an input, or the paragraph for a paper's methods section");
     add_source(*sub, options->what);
     auto* output = sub->add_option("-o,--output", options->output, "The page, one HTML file; - is standard output")
                        ->default_val("report.html");

@@ -46,8 +46,7 @@ CLI::Option* add_rig_port_options(CLI::App& sub, RigPorts& ports) {
         ->allow_extra_args(false)  // what stands behind its value may be a file
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     add_baud_option(sub, ports.baud);
-    return sub.add_option("--rig", ports.rig,
-                          "Several boards that play as one: the rig manifest (.json) that compile --rig has written");
+    return sub.add_option("--rig", ports.rig, "Boards that play as one: the rig manifest (.json) from compile --rig");
 }
 
 void add_on_loss_option(CLI::App& sub, CLI::Option* rig, std::string& on_loss) {

@@ -89,9 +89,8 @@ void add_self_test(CLI::App& device, Action& action) {
     auto options = std::make_shared<SelfTestOptions>();
     CLI::App* sub = device.add_subcommand(
         "self-test",
-        "Walk the chain from this host to the hand: link, memories, clock, outputs, watchdog, stop switch, each "
-        "channel, "
-        "and a point that should be felt. What plays is ended; the memories are afterwards as they were");
+        "Test everything from this host to the hand: link, memories, clock, outputs, watchdog, stop switch, each "
+        "channel, and a point that should be felt. Ends what plays; restores the memories");
     add_port_options(*sub, options->port);
     sub->add_option("--array", options->array, "The array that the board drives: a file, or the name of a shipped one")
         ->capture_default_str();
@@ -108,7 +107,7 @@ void add_self_test(CLI::App& device, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_flag("--no-questions", options->no_questions,
-                  "Ask nothing, as when standard input is no terminal; what only a person can judge stays unjudged");
+                  "Ask no questions; what only a person can judge is left open");
     sub->add_flag("--json", options->json, "The findings as JSON");
     sub->callback([options, &action] { action = [options] { return self_test(*options); }; });
 }

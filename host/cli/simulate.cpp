@@ -161,7 +161,7 @@ void add_simulate(CLI::App& app, Action& action) {
     sub->add_option("--pulses", options->pulses, "Write the measured pulses (CSV)");
     sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
     sub->add_option("--drift-ppm", options->rig.drift_ppm,
-                    "The crystals of a rig's boards are off by up to so much, to either side")
+                    "The crystals of a rig's boards are off by up to this much, to either side")
         ->check(CLI::Range(0.0, 50.0))
         ->capture_default_str();
     sub->add_option("--seed", options->rig.seed,

@@ -127,7 +127,7 @@ int solve(const SolveCommand& command) {
 void add_solve(CLI::App& app, Action& action) {
     auto options = std::make_shared<SolveCommand>();
     CLI::App* sub = app.add_subcommand(
-        "solve", "Drives that make several foci at the same time, their records, and how even and strong the foci are");
+        "solve", "Find drives for several foci at the same time, and say how even and strong the foci are");
     auto* foci = sub->add_option(
         "source", options->source.file,
         "File of foci: a line x,y,z or x,y,z,amplitude each (mm, 0 to 1; 0 holds the pressure down there); "

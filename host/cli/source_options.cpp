@@ -21,7 +21,8 @@ void add_array_and_board(CLI::App& command, Source& source) {
         "--array", source.array,
         "Array of a path, a shape or a focus: array file or shipped array; by default tile-10x10. What was "
         "compiled must be for it");
-    command.add_option("--board", source.board, "The same: board file, shipped board or configuration");
+    command.add_option("--board", source.board,
+                       "Board of a path, a shape or a focus: board file, shipped board or configuration");
 }
 
 void add_source(CLI::App& command, SourceOptions& options) {
@@ -29,9 +30,10 @@ void add_source(CLI::App& command, SourceOptions& options) {
     CLI::Option* const file =
         add_source_file(command, source, "An image's manifest alone (.json), for exact phases; or an ");
     CLI::Option* const focus =
-        command.add_option("--focus", options.focus, "Exact phases for x,y,z (mm) instead")->excludes(file);
+        command.add_option("--focus", options.focus, "Instead: one focus at x,y,z (mm), with exact phases")
+            ->excludes(file);
     add_array_and_board(command, source);
-    command.add_option("--rig", source.rig, "Rig of --focus instead of the array: several arrays in their places")
+    command.add_option("--rig", source.rig, "Rig of --focus, instead of an array: several arrays, each in its place")
         ->needs(focus)
         ->excludes(command.get_option("--array"));
     add_quantise(command, options.quantise)->needs(focus);

@@ -193,10 +193,9 @@ int stream(const StreamOptions& options) {
 
 void add_stream(CLI::App& app, Action& action) {
     auto options = std::make_shared<StreamOptions>();
-    CLI::App* sub =
-        app.add_subcommand("stream",
-                           "Turn the outputs of a board, or of a rig's boards, on and play indices or foci as they "
-                           "come, or a path, no faster than they take them; then off again");
+    CLI::App* sub = app.add_subcommand("stream",
+                                       "Play indices or foci as they come, or a path, on a board or a rig's boards: "
+                                       "outputs go on, and off at the end");
     auto* file =
         sub->add_option("file", options->file,
                         "Lines 'index' or 'index dwell', of records or of the board's foci; - is standard input")
@@ -210,7 +209,7 @@ void add_stream(CLI::App& app, Action& action) {
     const auto& points = setting_called("--points");
     add_setting(*sub, points, default_of(points), [options](const SettingValue& value) { options->points = value; })
         ->needs(path)
-        ->description("How often an .adaptics pattern of --path is looked at");
+        ->description("Samples of an .adaptics pattern of --path");
     sub->add_option("--loops", options->loops, "Passes over the path; 0: until Ctrl-C")
         ->needs(path)
         ->check(whole(0, 65535))
@@ -229,9 +228,9 @@ void add_stream(CLI::App& app, Action& action) {
     live->excludes(path);
     auto* rig = add_rig_port_options(*sub, options->ports);
     rig->description(
-        "Several boards that play as one: the rig manifest (.json) that compile --rig has written and upload has "
-        "written into them; an index is the same record on all, each from its own image. With --path a rig as compile "
-        "takes it, whose boards get their images now");
+        "Boards that play as one: the rig manifest (.json) from compile --rig, whose images upload has written; an "
+        "index is the same record on all, each from its own image. With --path: a rig as compile takes it, whose "
+        "boards get their images now");
     add_on_loss_option(*sub, rig, options->on_loss);
     auto* dwell =
         sub->add_option("--dwell", options->dwell,

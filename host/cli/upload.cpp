@@ -82,13 +82,13 @@ int upload(const UploadOptions& options) {
 void add_upload(CLI::App& app, Action& action) {
     auto options = std::make_shared<UploadOptions>();
     CLI::App* sub = app.add_subcommand(
-        "upload", "Write what differs of an image into a board's memories, or of each image of a rig");
+        "upload", "Write an image, or each image of a rig, into a board's memories: only what differs");
     auto* image = sub->add_option("image", options->upload.image, "Intel HEX image, or a project (.toml, .haptogram)");
     add_rig_port_options(*sub, options->ports)->excludes(image);
     sub->add_option("--wait", options->upload.wait_s, "Seconds in which a port that was unplugged may come back")
         ->check(not_negative())
         ->capture_default_str();
-    sub->add_flag("--verify", options->upload.verify, "Read all of it back and compare, beyond the digests");
+    sub->add_flag("--verify", options->upload.verify, "Also read the whole image back and compare");
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
     sub->callback([options, &action] { action = [options] { return upload(*options); }; });
 }

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Decides, once a carrier period, what the next one plays, and has the pulse generators' words for it made out of the drive memory.
+// Decides, once a carrier period, what the next period plays, and has the pulse generators' words for it made out of the drive memory.
 //
-// A record of amplitudes gets new words in each period, since modulation and slew limit may change them. They are begun at the go
-// point, a quarter of a period and LEAD clocks before the period ends, so that they are there when the first pulse starts whose
-// middle is in the next period. There it is decided, too, whether the
-// next period belongs to the next record, which is then taken over, or to the present one. A record of timings, or silence, that
-// follows one of those is taken over as soon as it is wanted, and made once; a preempt drops it again. What a preempt cannot drop
-// plays for a cycle, and the preempt comes to cycle_controller once more when it begins. Silence after a record of
-// amplitudes is that record with all amplitudes at 0, so that the slew limiter can bring it down.
+// A record of amplitudes gets new words in each period, because modulation and slew limit may change them. The words are begun at the go point:
+// a quarter of a period and LEAD clocks before the period ends, so that they are there when the first pulse starts whose middle is in the next
+// period. At the go point the next record, if it is wanted, is taken over; otherwise the present record gets new words.
+// A record of timings, or silence, that follows one of its kind is taken over as soon as it is wanted, and its words are made once. A preempt
+// drops these words. A preempt cannot drop other words: they play for a cycle, and at their commit o_preempt repeats the preempt.
+// Silence after a record of amplitudes is that record with all amplitudes at 0, so that the slew limiter can fade it.
 // While outputs are off and a preempt has been answered by a loaded record, the go point is now.
-// o_period is one strobe a carrier period: at the go point, or when a period without one has ended.
-// If pulses from before the last change still run at the go point, the words of the period before play again; o_missed counts that.
+// o_period strobes once a carrier period: at the go point, or when a period without a go point has ended.
+// If pulses from before the last change still run at the go point, the last period's words play again, and o_missed strobes.
 // CHANNELS, TIMING_BITS and WIDTH_BITS are the core's. LEAD is at least CHANNELS + 44: 4 clocks for the modulation, 19 for the slew
 // limiter, 14 from the drive memory to the generators, 7 for the control. IDLE_CLOCKS is the cycle before the first record.
 `default_nettype none
@@ -39,7 +38,7 @@ module period_controller #(
     output wire                    o_preempt,
     output wire                    o_ready,
     output wire                    o_refresh,
-    output wire                    o_words,        // those that wait for it are there, and may begin early pulses
+    output wire                    o_words,        // all words for the next cycle are there, and may begin early pulses
     output wire                    o_centred,      // the present record has amplitudes, so its pulses are centred on their phases
     output reg  [15:0]             o_index,
     output reg  [15:0]             o_dwell,
@@ -68,7 +67,7 @@ module period_controller #(
     output reg                     o_raw,
     output reg  [WIDTH_BITS-1:0]   o_raw_width,
     output reg  [TIMING_BITS:0]    o_cycle,
-    output wire                    o_drop,         // strobe: what is under way there is not wanted any more
+    output wire                    o_drop,         // strobe: words that are under way to emission are not wanted any more
     input  wire                    i_ready,
     output wire                    o_valid,
     output wire                    o_last,
@@ -77,7 +76,7 @@ module period_controller #(
     input  wire [WIDTH_BITS-1:0]   i_width,
     input  wire                    i_bent,
     output wire                    o_period,
-    output wire                    o_go,           // strobe: the go point; in the next clock nothing waits to be taken over that may be
+    output wire                    o_go,           // strobe: the go point; in the next clock no record waits to be taken over
     output wire                    o_busy,         // the settings of the slew limiter must stay
     output reg                     o_bent,         // strobe: a word of this period was bent
     output reg                     o_missed        // strobe
@@ -136,7 +135,7 @@ module period_controller #(
     wire renews   = idle && go && plays_q && !wanted;
     assign o_take_over = promptly || (idle && go && wanted);
     assign o_drop      = i_preempt && taken_q && o_raw && !plays_q && !i_commit;
-    // A preempt that comes while a record waits that it cannot drop asks again at that one's commit.
+    // A preempt that cannot drop the record that was taken over is repeated at the record's commit.
     reg    again_q;
     assign o_preempt = i_preempt || (i_commit && again_q);
     reg    fresh_q, bent_q, committed_q;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Says which bytes that come out of datagram_fifo were on their way when something happened at the instrument's side.
+// Tells which bytes that come out of datagram_fifo were on their way when something happened at the instrument's side.
 //
-// At i_mark (strobe or level) whatever is anywhere between the PHY and o_clk becomes old: o_old is high from the next clock on, until the last
-// of it has been taken. A question goes over to the PHY's side, and there it is waited for the end of a frame that comes (i_dv) and SETTLE
-// clocks more, in which it is committed or dropped. Then i_start is behind all that is old, and is told back. A PHY without a clock gives no
-// answer, and nothing new. What comes in some 20 clocks of the PHY behind i_mark may count as old, too.
-// BITS: as datagram_fifo. SETTLE: at least as many clocks as pass from the last byte of a frame until i_start has its datagram.
+// At i_mark (strobe or level) all bytes between the PHY and o_clk become old. o_old is high from the next clock on, until the last old byte has been
+// taken. A question goes over to the PHY's side. There the end of an arriving frame (i_dv) and SETTLE clocks more are waited for, in which the frame
+// is committed or dropped. Then i_start, which is behind all old bytes, is the answer. A PHY without a clock gives no answer, and no new bytes.
+// Bytes that come within some 20 clocks of the PHY behind i_mark may count as old, too.
+// BITS is that of datagram_fifo. SETTLE: at least the clocks from the last byte of a frame until i_start includes its datagram.
 `default_nettype none
 module datagram_mark #(
     parameter BITS   = 12,

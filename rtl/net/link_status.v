@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whether there is a link of 1 Gbit/s, by what a PHY tells between frames (RGMII's in-band status): bit 0 the link, bits 2…1 its speed, of
-// which 2 is 1 Gbit/s.
+// Tells whether there is a link of 1 Gbit/s, by the status that a PHY sends between frames (RGMII's in-band status): bit 0 is the link, bits 2…1 its
+// speed, 2 for 1 Gbit/s.
 //
-// A reading counts when READINGS in a row have said the same, so that a nibble that was received wrongly is no loss of the link. It also makes
-// a loss last until link_watch has seen it. A PHY need not tell its status, and then says anything else: until one has said that there is a
-// link, o_link is high, and the frames' own sums decide.
+// A status counts when READINGS readings in a row agree. So a nibble that was received wrongly does not end the link, and a loss lasts until
+// link_watch has seen it. A PHY that sends no status has anything on these lines. Therefore o_link is high until a PHY has reported a link, and
+// until then the frames' own sums decide.
 `default_nettype none
 module link_status #(
     parameter READINGS = 512

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Says when the network's link is lost, for which the PHY may as well stop its clock: o_lost strobes, once it has been there, and o_runs is low.
+// Tells when the network's link is lost. The PHY may also stop its clock then. o_lost strobes when a link that was there is lost; o_runs is low
+// without a link.
 //
-// In eth_clk's domain o_beat changes every 32 clocks while i_link is high. In clk's it has to change within 128 clocks: eth_clk must be at least a
-// quarter as fast as clk, or there is no link. It is there from the second change in time on.
+// In eth_clk's domain beat_q changes every 32 clocks while i_link is high. In clk's domain the beat must change within 128 clocks, so eth_clk must
+// be at least a quarter as fast as clk. The link is there from the second change in time on.
 `default_nettype none
 module link_watch (
     input  wire eth_clk,

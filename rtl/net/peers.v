@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Who the peer is: the first sender of a good datagram, until it has been silent for PEER_CLOCKS. And who asks: the sender of the frame
-// that is to be answered.
+// Knows the peer, which is the first sender of a good datagram until it has been silent for PEER_CLOCKS, and the asker, which is the sender of the
+// frame that is to be answered.
 //
-// o_changed strobes with i_taken when there was none and the sender is not the peer of before.
-// Addresses have 12 bytes: MAC, IP, port. Bytes of a frame's sender come by i_address while the frame does. With i_taken, o_may says
-// that the sender is the peer, or that there was none; then it is from the next clock on. o_read_byte is that of i_read_place in the same clock.
+// Addresses have 12 bytes: MAC, IP, port. The bytes of a sender's address come by i_address while its frame does. At i_taken, o_may says that the
+// sender is the peer, or that there was no peer; then the sender is the peer from the next clock on. o_changed strobes with i_taken when there was
+// no peer and the sender is not the last one. o_read_byte is the byte at i_read_place, in the same clock.
 `default_nettype none
 module peers #(
     parameter PEER_CLOCKS = 125000000

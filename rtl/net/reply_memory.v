@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Gathers replies in the instrument's clock domain, until they are worth a datagram, for the sender in the PHY's.
+// Gathers replies in the instrument's clock domain until they are worth a datagram, for the transmitter in the PHY's clock domain.
 //
-// i_byte is a valid/ready stream; a zero ends a reply, and only whole ones count. o_length bytes are to be sent from o_place on, as soon as
-// GATHER_BYTES wait or the first has waited for GATHER_CLOCKS of o_clk; 0 until then. i_sent and i_sent_length say what was,
-// after which o_length counts again in five clocks.
-// o_byte is that of i_place two clocks later. While i_forget is high there is nobody to send to, and whole replies are thrown away.
-// BITS: there is room for 2^BITS bytes, and a reply must not be longer than that.
+// i_byte is a valid/ready stream; a zero ends a reply, and only whole replies count. o_length bytes are to be sent from o_place on as soon as
+// GATHER_BYTES wait or the first byte has waited for GATHER_CLOCKS of o_clk; until then o_length is 0. i_sent says that i_sent_length bytes were
+// sent; five clocks later o_length counts again. o_byte is the byte at i_place, two clocks later. While i_forget is high there is no peer, and
+// whole replies are thrown away. BITS: there is room for 2^BITS bytes, and a reply must not be longer than that.
 `default_nettype none
 module reply_memory #(
     parameter BITS = 10,

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// An Ethernet port in the place of the serial line: what one peer sends by UDP comes out as bytes in the instrument's clock domain, and the
-// bytes of replies go back to it. The modules beside this one do it; ../README.md shows them, ../INTERFACE.md says what a host sees.
+// An Ethernet port in place of the serial line: bytes of the peer's UDP datagrams come out in the instrument's clock domain, and bytes of replies
+// go back to the peer. ../README.md shows the modules, ../INTERFACE.md says what a host sees.
 //
-// eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII, and between frames i_data is what RGMII has there, the PHY's status. In clk's domain o_byte is a
-// valid/take stream of whole, checked datagrams, each with a zero at its end, and i_byte a valid/ready stream of replies that end with a zero each.
-// o_lost strobes when the link is lost. o_off strobes at the end of a datagram of the peer with a DISABLE in it, and when anybody sends that to the
-// open port; o_stop for a STOP. o_end: a session ends, because anybody has sent DISABLE, or there is another peer. i_off (level or strobe) is high when
-// the instrument switches its outputs off. What is anywhere in here in one of these clocks, or arriving, is old: o_old is high as long as
-// there is some of it, bit 0 for o_off and i_off, 1 for o_stop, 2 for o_lost, reset, and DISABLE of anybody.
-// RX_BITS: there is room for 2^RX_BITS bytes of datagrams. PEER_CLOCKS, GATHER_CLOCKS: of eth_clk, after which a silent peer is none, and a reply goes.
+// eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII. Between frames i_data is the PHY's status, as in RGMII. In clk's domain o_byte is a valid/take
+// stream of whole, checked datagrams, each with a zero at its end, and i_byte a valid/ready stream of replies that end with a zero each.
+// o_lost strobes when the link is lost; o_off at the end of a datagram in which the peer sent DISABLE, and when anybody sends DISABLE to the open
+// port; o_stop in the same way for STOP; o_end when a session ends, because anybody sent DISABLE to the open port or the peer is another one.
+// i_off (level or strobe): the instrument switches its outputs off. Bytes that are anywhere in this module, or arrive, at such an event are
+// old. o_old is high while old bytes are left: bit 0 for o_off and i_off, 1 for o_stop, 2 for o_lost, reset, and DISABLE to the open port.
+// RX_BITS: there is room for 2^RX_BITS bytes of datagrams. PEER_CLOCKS of eth_clk without a datagram end a peer; GATHER_CLOCKS is how long a reply
+// waits for others.
 `default_nettype none
 module udp_link #(
     parameter [47:0] MAC  = 48'h024847000001,
@@ -48,7 +49,7 @@ module udp_link #(
     wire link, runs, runs_there;
     reg  eth_rst;
     initial eth_rst = 1'b1;
-    // So what is left of a datagram in which the PHY's clock has stopped for long is none.
+    // The reset drops a datagram in which the PHY's clock has stopped for long.
     synchronizer #(.RESET_VALUE(1'b0)) runs_crossing (.clk(eth_clk), .rst(1'b0), .i_foreign(runs), .o_synchronous(runs_there));
     always @(posedge eth_clk) eth_rst <= !link || !runs_there;
     link_status status (.clk(eth_clk), .i_dv(i_dv), .i_er(i_er), .i_status(i_data[2:0]), .o_link(link));
@@ -81,7 +82,7 @@ module udp_link #(
         .i_clk(eth_clk), .i_write(write), .i_byte(data), .i_commit(commit), .i_drop(drop), .o_full(full), .o_start(committed),
         .o_clk(clk), .o_valid(o_valid), .o_byte(o_byte), .i_take(i_take), .o_taken(fetched));
 
-    // ---- What happens, and what is old then. Nothing of a new peer is: its address is known before its datagram is here.
+    // ---- Events, and the bytes that are old then. No byte of a new peer is old: the peer's address is known before its datagram is here.
 
     wire anybodys;
     wire said = taken && may;
@@ -108,7 +109,7 @@ module udp_link #(
         .i_taken(taken), .o_may(may), .o_changed(changed), .o_held(held), .i_keeps_asker(answer), .i_keeps_peer(keeps_peer),
         .i_reads_asker(reads_asker), .i_read_place(peer_place), .o_read_byte(peer_byte));
 
-    // ---- Out; what the core says before its reset is nothing
+    // ---- Out; replies before the core's reset do not count
 
     (* no_rw_check *) reg [7:0] kept [0:2047];  // the frame that may have to be answered
     reg  [7:0]  kept_q, kept_2_q;
@@ -120,7 +121,7 @@ module udp_link #(
     end
 
     wire       enabled;
-    reg        were_on_q;  // as the frame came that is answered
+    reg        were_on_q;  // outputs were enabled when the frame came that is answered
     always @(posedge eth_clk) if (!answer) were_on_q <= enabled;
     wire [5:0] about_place;
     wire [7:0] about_byte;

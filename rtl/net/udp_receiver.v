@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Takes out of Ethernet frames what is for this board: the peer's datagrams to PORT, what anybody may ask of PORT + 1 (the open port), and
-// what has to be echoed: ARP requests for IP, ICMP echo requests. INTERFACE.md says what makes a datagram good.
+// Takes frames for this board out of Ethernet frames: the peer's datagrams to PORT, anybody's questions to PORT + 1 (the open port), and requests
+// to be echoed, ARP for IP and ICMP echo. INTERFACE.md says which datagrams are good.
 //
-// Bytes of a payload go out as they come (o_write, o_byte), before it is known whether they are good, and a zero behind the last if that is none:
-// a frame ends with its datagram. Then o_commit or o_drop strobes, in a
-// clock without o_write. i_full says that a byte found no room, for which the datagram is dropped, too.
-// The frame is also written into a memory of answers, from place 0 on. When it must be answered, o_answer is high until i_answered, with what
-// answer it is, and what comes meanwhile is not answered. peers.v knows who sends: it compares while the frame comes.
+// Bytes of a payload go out as they come (o_write, o_byte), before it is known whether the datagram is good. A zero follows the last byte if that is
+// none, because a frame ends with its datagram. Then o_commit or o_drop strobes, in a clock without o_write. i_full: a byte found no room, so the
+// datagram is dropped. Each Ethernet frame is also written into a memory, from place 0 on. When it must be answered, o_answer is high until
+// i_answered, with the kind of answer; a frame that comes meanwhile is not answered. peers.v compares the sender while the frame comes.
 `default_nettype none
 `include "interface.vh"
 `include "answers.vh"
@@ -41,9 +40,9 @@ module udp_receiver #(
     output reg  [15:0] o_answer_sum,   // the ICMP checksum
     output reg  [7:0]  o_asked,        // the command of a question to the open port
     input  wire        i_answered,
-    output reg         o_disable,    // strobes: somebody, whoever it is, sent this to the open port
+    output reg         o_disable,    // strobes: anybody sent DISABLE, or STOP, to the open port
     output reg         o_stop,
-    output reg         o_accepted,   // strobes, to be counted: a datagram of the peer was taken,
+    output reg         o_accepted,   // strobes to be counted: a datagram of the peer was taken,
     output reg         o_refused,    // one of another sender was not,
     output reg         o_damaged     // a frame was not whole, or a datagram to PORT had a wrong sum or found no room
 );
@@ -154,7 +153,7 @@ module udp_receiver #(
         sum_good_q <= sum_is_good;
         is_ip_q    <= is_whole_ip && header_is_good;
         wrong_sum_q <= is_whole_ip && !(header_is_good && sum_is_good) && udp_q && lengths_q && port_q && mine_q && ip_q;
-        // To all, only the question who is there; to which address, routers differ in.
+        // IDENTIFY alone may be broadcast, to any IP address, because routers differ in it.
         asks_q     <= open_q && udp_q && lengths_q && datagram_q == OPEN_DATAGRAM && knows && ((mine_q && ip_q) || all_q);
         if (gone_q || rst) begin
             {mine_q, all_q, arp_q, arp_ip_q, ipv4_q, udp_q, icmp_q, ip_q, port_q, open_q, echo_q, lengths_q, no_sum_q} <= {13{1'b1}};

@@ -2,15 +2,15 @@
 //
 // Reads an image out of the FPGA's flash (SPI, mode 0, command 03h), once after each reset, because an SDRAM holds nothing at power-up.
 //
-// At FIRST there is a zero, then frames as a host sends them, then two zeros more, because one would be made by a frame whose first byte is damaged;
-// anything else than a zero and a frame is no image. So what checks a host's frames checks these, too: i_failed says that one was damaged or
-// refused, and then no more are read.
-// o_valid strobes with a byte of the line, in the place of what comes from a host at i_valid (strobe), which ends the reading, as does i_ends. If that
-// cuts a frame, a zero takes the place of the host's byte: hosts begin with one.
-// o_active: it reads, or waits for what may come. o_read strobes at the end of a whole image, when all of its frames have been carried out.
-// o_state: see the status block. A byte takes 32 clocks. The chip's lines need no synchronizer: they change three clocks before they are looked at.
-// WAIT_BITS: 2^WAIT_BITS · 4 clocks pass from reset to the first command, in which an SDRAM gets ready, and behind the last byte, in which
-// the frames that wait are carried out; and so many bytes without a zero are no frame.
+// At FIRST there are a zero, frames as a host sends them, and two more zeros; a single zero could also come from a frame whose first byte is
+// damaged. Without a zero and a byte of a frame there is no image. The image's frames are checked as a host's are; i_failed says that one was
+// damaged or refused, which ends the reading.
+// o_valid strobes with a byte of the image, in place of a host's byte. A host's byte at i_valid (strobe) ends the reading, as does i_ends. If
+// that cuts a frame, a zero takes the place of the host's byte: hosts begin with a zero.
+// o_active: the module reads, or waits for the last frames. o_read strobes at the end of a whole image, when all of its frames have been carried
+// out. o_state is `flash` of the status block. A byte takes 32 clocks. The chip's lines change three clocks before they are looked at, so they need
+// no synchronizer. 2^WAIT_BITS · 4 clocks pass from reset to the first command, in which an SDRAM gets ready, and behind the last byte, in which
+// waiting frames are carried out. 2^WAIT_BITS bytes without a zero are no frame.
 `default_nettype none
 `include "interface.vh"
 module flash_image #(

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fetches the record that is to be loaded next out of an SDRAM into a buffer, from which memory_controller reads it as from block RAM.
+// Fetches the next record out of an SDRAM into a buffer, from which memory_controller reads the record as from block RAM.
 //
-// It stands in the way of the entries: o_entry goes on with i_entry when i_index's record is in the buffer; i_take is that of the
-// reader. What i_index is equal to is known a clock later, because it may come out of a block RAM: so an entry that is offered must stay until it
-// is taken, or the reader must not take in the clock in which another one takes its place. There are two buffers: while a record is being read out of one, the next one comes into the other. Index 0 needs none; what
-// memory_controller will refuse is fetched from wherever that may be.
-// What was fetched is forgotten when something is written before it is taken (i_written), and when i_forget says that foci may lie
-// elsewhere. So a record is never older than it would be if it were read in the clock in which its entry is taken.
-// o_word follows i_address, that of a 16-bit word of the record taken last, by two clocks.
-// o_ask and the rest of the run's ports are those of sdram_controller. CHANNELS, RECORDS and FOCI are the core's.
+// The module stands between index_source and memory_controller: o_entry follows i_entry when the record of i_index is in the buffer; i_take is
+// memory_controller's. i_index is compared a clock later, because it may come out of a block RAM. So an offered entry must stay until it is
+// taken, or memory_controller must not take in the clock in which another entry replaces it. There are two buffers: one is read while the next
+// record comes into the other. Index 0 needs none. For a record that memory_controller will refuse, any words are fetched.
+// A fetched record is forgotten when something is written before the record is taken (i_written), and at i_forget, when foci may lie elsewhere. So
+// a record is never older than if it were read in the clock in which its entry is taken.
+// o_word is the 16-bit word at i_address of the record that was taken last, two clocks later.
+// o_ask and the other ports of a run are those of sdram_controller. CHANNELS, RECORDS and FOCI are the core's.
 `default_nettype none
 `include "interface.vh"
 module record_fetch #(

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Holds all records in an SDRAM, in the place of primary_memory: what a frame writes, what is loaded next, and replies share the chip.
+// Holds all records in an SDRAM, in place of primary_memory. Frames that write, the next record and replies share the chip.
 //
-// record_store writes a frame's words as one run, and record_fetch reads a record as one run, so that a record is never torn. Runs that
-// wait are begun in this order: what was written, so that what is read next is not older; the next record; a word of a reply. Only a record that
-// has waited for one run to be written goes before another one. So it waits for a refresh, a run and its own.
-// i_read_address is that of a reply's word, which is asked for until o_granted, with which o_read_word comes and stays until the next one. All other ports are those of the
-// two modules and of sdram_controller. MIB is the chip's size, 4 or 8. RUN_BITS is as wide as the words of the longest frame.
-// CHANNELS must be even, because a record is to begin with a word of the chip. The chip's times hold up to 60 MHz.
+// record_store writes a frame's words as one run, and record_fetch reads a record as one run, so that a record is never torn. Waiting runs begin in
+// this order: a write, so that no read is older; the next record; a word of a reply. A record that has waited for one write goes before the next
+// write. So a record waits for a refresh, a run and its own run at most.
+// i_read_address is the address of a reply's word. It is asked for until o_granted, with which o_read_word comes and stays until the next one. All
+// other ports are those of record_store, record_fetch and sdram_controller. MIB is the chip's size, 4 or 8. RUN_BITS is as wide as the number of
+// words of the longest frame. CHANNELS must be even, so that a record begins with a word of the chip. The chip's times hold up to 60 MHz.
 `default_nettype none
 `include "interface.vh"
 module sdram_memory #(

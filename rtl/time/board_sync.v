@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// All that a board has for SYNC: its role among others, the wire between them, and the number of the present carrier period, which
-// they have in common. Without SYNC it is alone, and with SCHEDULE it counts for itself; without either nothing is left of this.
+// Has all that a board needs for SYNC: its role, the wire to other boards, and the number of the present carrier period, which all boards share.
+// Without SYNC the board is alone; with SCHEDULE it then counts periods by itself; without both nothing of this module is left.
 //
-// i_reset strobes when a command resets what plays, and with i_takes_role when that is SYNC: then the board is in i_role from the next
-// clock on, otherwise ALONE. play_rst follows i_reset by a clock and begins anew whatever counts. While the cycle's last clock,
-// i_last, is held by o_hold, it lasts; carrier_sync.v says why and how long.
-// A slave that is not in step is o_out_of_step. o_numbered says that o_period is the others' number, too. o_missed and o_lost strobe.
+// i_reset strobes when a command resets what plays. If i_takes_role comes with it, the command is SYNC, and the board has role i_role from the next
+// clock on; otherwise it is ALONE. play_rst follows i_reset by a clock and restarts whatever counts. While o_hold is high, the cycle's last clock,
+// i_last, is repeated; carrier_sync.v says why and how long. o_out_of_step: the board is a slave and not in step. o_numbered: o_period is also the
+// master's number. o_missed and o_lost are carrier_sync's.
 `default_nettype none
 `include "interface.vh"
 module board_sync #(

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the patterns of a stream wait: that for carrier period p in slot p mod 2^slots, which is a record of primary memory, until p's turn.
+// Keeps the patterns of a stream until their turn: the pattern for carrier period p in slot p mod 2^i_slot_bits, a record of primary memory.
 //
-// A slot has one bit here: its pattern is whole and waits. It is set behind the last word and cleared when the slot's turn comes, and a
-// pattern whose slot is full, or whose turn has been, is not written. So what plays is never torn, and never another period's.
-// From i_settle on i_period is that of a frame's first pattern. o_wait holds its words until it is judged; then o_place says that the first
-// word goes to o_address, and o_keeps that the words count at all. i_take: one is taken. o_split: the words end within a pattern.
-// i_go strobes once a carrier period, when that two behind i_count is decided. Two clocks later o_turn says so, with i_forget too: o_full whether
-// it has a pattern, o_index which record it is. o_jump comes with i_go: periods have not followed each other, so that what waits is nobody's.
-// i_forget empties all slots; while it lasts, and for what is under way then, patterns are dropped.
+// Each slot has one bit here: its pattern is whole and waits. The bit is set behind the pattern's last word, and cleared at the slot's turn. A
+// pattern whose slot is full, or whose turn has been, is not written. So no pattern plays torn or in another period than its own.
+// At i_settle, i_period is the period of the frame's first pattern. o_wait holds the frame's words until the pattern is judged. Then o_place says
+// that its first word goes to o_address, and o_keeps that its words count. i_take: a word is taken. o_split: the words end within a pattern.
+// i_go strobes once a carrier period, when period i_count + 2 is decided. Two clocks later o_turn strobes, also with i_forget: o_full says whether
+// that period has a pattern, o_index which record the pattern is. o_jump comes with i_go when periods have not followed each other.
+// i_forget empties all slots. While it lasts, patterns are dropped, and so is the pattern that is under way then.
 // SLOTS is the core's STREAM; the other parameters are the core's, too.
 `default_nettype none
 `include "interface.vh"
@@ -124,11 +124,11 @@ module pattern_slots #(
 
     // ---- The slots' bits
 
-    // The slot that is written is not the one that is read, but for a pattern that is late or early, whatever its slot's bit is.
+    // The slot that is written is not the slot that is read, except for late and early patterns, which do not depend on their slot's bit.
     (* no_rw_check *) reg waits [0:SLOTS-1];
     integer s;
     initial for (s = 0; s < SLOTS; s = s + 1) waits[s] = 1'b0;
-    reg  [BITS:0]   sweep_q;  // all are emptied one by one, as long as its upper bit is 0
+    reg  [BITS:0]   sweep_q;  // slots are emptied one by one, as long as the upper bit is 0
     reg             clears_q;
     wire            sweeps = !sweep_q[BITS];
     initial {sweep_q, swept_q, turn_q, clears_q} = 0;

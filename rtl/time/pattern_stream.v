@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A pattern for each carrier period, as they come: what STREAM writes where, and which record each period plays.
+// Plays a pattern for each carrier period: where STREAM writes its patterns, and which record each period plays.
 //
-// pattern_slots keeps the patterns. Here is what plays: i_go strobes at each period's go point, just when the record of the period behind it has
-// been taken over. Whatever has been loaded and was not taken over then is dropped (o_drop), and the record offered two clocks later is
-// that of the period after. So each plays in its own period or not at all. A period without a pattern is offered nothing: the last record
-// plays on; after i_hold of them the stream ends, o_streams falls, and what comes then fades (o_fades, for the slew limiter).
-// o_begins: the first pattern's turn has come, so whatever else plays must end. o_entry/i_take is valid/ready.
-// i_forget: something else is to play, outputs are off, or the session is another: the stream ends, and all patterns are forgotten.
+// pattern_slots keeps the patterns; this module plays them. i_go strobes at each period's go point, when the record of the next period has been
+// taken over. A record that was loaded and not taken over by then is dropped (o_drop). Two clocks later the record of the period after that is
+// offered. So each record plays in its own period or not at all. For a period without a pattern nothing is offered, and the last record plays
+// on. After i_hold such periods the stream ends: o_streams falls, and the last record fades (o_fades, for the slew limiter).
+// o_begins: the turn of the first pattern has come, so whatever else plays must end. o_entry/i_take_entry is valid/ready.
+// i_forget ends the stream and empties all slots: something else is to play, outputs are off, or another session has begun.
 // The settings are written one word a strobe; o_word follows i_read_address by one clock. The parameters are those of pattern_slots.
 `default_nettype none
 `include "interface.vh"

@@ -178,7 +178,7 @@ def test_what_could_be_told_apart(tmp_path):
     over, hz = place["lines"][0]["over_db"], place["lines"][0]["hz"]
     assert place["strength_steps"] == [int(over / 2.98), int(over / 1.65)] and place["strength_steps"][0] > 2
     assert place["next_frequency_hz"] == pytest.approx([hz * 1.13, hz * 1.38])
-    assert re.search(r"told apart: \d+ to \d+ steps .*200 Hz from 226 to 276 Hz on; places to 8.5 mm", text(succeed(["feel", image], cwd=tmp_path).stdout))
+    assert re.search(r"can be told apart: \d+ to \d+ strengths .*200 Hz from 226 to 276 Hz or more; a place to within 8.5 mm", text(succeed(["feel", image], cwd=tmp_path).stdout))
     small = compiled(tmp_path, "small", "--shape", "circle", "--diameter", 10, "--points", 100, "--speed", 3)
     notice(succeed(["feel", small], cwd=tmp_path).stderr)
     large = compiled(tmp_path, "large", "--shape", "circle", "--diameter", 40, "--points", 100, "--speed", 3)

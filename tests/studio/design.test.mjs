@@ -368,7 +368,7 @@ test("work outlives a reload, with its steps and its files, and is offered when 
   await fill(page, "Centre z", 150);
   const where = await folder(t);
   await saveBundle(page, join(where, "ring.haptogram"));
-  await page.locator(".menu", { hasText: "as its file" }).waitFor();
+  await page.locator(".menu", { hasText: "file is up to date" }).waitFor();
   await page.locator(".menu summary").click();
   await page.locator(".sheet").getByRole("button", { name: /^example/ }).first().click();
   await page.locator("footer", { hasText: "example: 4 focal points" }).waitFor();

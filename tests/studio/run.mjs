@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the browser's cases, a file at a time. The browser draws in software and beside other tests, so a file in which a case fails is run
-// once more, and must then pass as a whole. Both runs are printed.
+// once more, and must then pass as a whole. Both runs are printed. HAPTOGRAM_SCREENSHOTS=FOLDER keeps pictures, HAPTOGRAM_PICTURES=record
+// renews those in pictures/.
 import { spawnSync } from "node:child_process";
 import { readdirSync } from "node:fs";
 import { join } from "node:path";

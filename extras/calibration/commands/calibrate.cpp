@@ -343,7 +343,8 @@ void add_calibrate(CLI::App& app, Action& action) {
     calibrate_app->require_subcommand(1);
 
     auto code = std::make_shared<CalibrateCommand>();
-    CLI::App* sub = calibrate_app->add_subcommand("code", "The image that the array plays meanwhile, over and over");
+    CLI::App* sub =
+        calibrate_app->add_subcommand("code", "Make the image that the array plays during a recording, over and over");
     add_instrument(*sub, *code);
     sub->add_option(
         "--steps", code->steps,

@@ -101,10 +101,10 @@ void tell_differences(Report& report, const Feeling& feeling) {
             best = &place.felt.lines.front();
     if (best == nullptr) return;
     const auto [least, most] = perception::strength_steps(best->over_db);
-    std::string text = fmt::format("told apart: {} to {} steps of strength down to what is just felt", least, most);
+    std::string text = fmt::format("can be told apart: {} to {} strengths down to what is just felt", least, most);
     if (const auto next = perception::next_frequency_hz(best->hz))
-        text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz on", best->hz, next->at(0), next->at(1));
-    report.tell(text + fmt::format("; places to {:g} mm", perception::place_error_m / millimetre));
+        text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz or more", best->hz, next->at(0), next->at(1));
+    report.tell(text + fmt::format("; a place to within {:g} mm", perception::place_error_m / millimetre));
 }
 
 void report_places(Report& report, const Feeling& feeling) {

@@ -196,21 +196,21 @@ void add_align(CLI::App& app, Action& action) {
         "Lines 'x y z' in mm, array frame, in the order of touches; without hands lines 'x y z x y z': what is "
         "known, and what the tracker or the camera saw, in its own frame");
     sub->add_option("hands", options->hands, "A recording of a hand that touches them, as render takes it");
-    sub->add_option("--finger", options->finger, "Whose tip touches")
+    sub->add_option("--finger", options->finger, "Finger whose tip touches")
         ->check(CLI::IsMember(finger_names, CLI::ignore_case))
         ->capture_default_str();
-    sub->add_option("--still", options->still_s, "For so long a touch stays within 3 mm, s")
+    sub->add_option("--still", options->still_s, "A touch stays within 3 mm for so long, s")
         ->check(positive())
         ->capture_default_str();
-    auto* ask = sub->add_option("--ask", options->ask,
-                                "Write instead so many places that are good to touch, spread over where the array is "
-                                "felt, as such lines")
-                    ->check(whole(3, most_touches));
-    sub->add_option("--noise", options->noise_mm, "With --ask: of the tracker, mm (rms)")
+    auto* ask =
+        sub->add_option("--ask", options->ask,
+                        "Instead: write this many places that are good to touch, lines 'x y z', over the array's reach")
+            ->check(whole(3, most_touches));
+    sub->add_option("--noise", options->noise_mm, "The tracker's noise, mm (rms)")
         ->check(positive())
         ->needs(ask)
         ->capture_default_str();
-    sub->add_option("--array", options->array, "Whose reach the places to touch are in")->capture_default_str();
+    sub->add_option("--array", options->array, "Array in whose reach the places to touch are")->capture_default_str();
     sub->add_option("-o,--output", options->output,
                     "The mounting, TOML, for NAME@MOUNTING wherever a recording or a tracker is named; - is standard "
                     "output")

@@ -135,14 +135,14 @@ void add_scatter(CLI::App& app, Action& action) {
     sub->add_option("--rotate", options->rotate, "Turn it about its middle: degrees about x, then y, then z")
         ->capture_default_str();
     sub->add_flag("--foci-inside", options->source.foci_inside,
-                  "Foci inside of the body are meant: the array aims there, and the sound stops at the skin");
+                  "Allow foci inside the body: the array aims there, and the sound stops at the skin");
     sub->add_option("--least-elements", options->source.least_elements,
                     "Refuse meshes with fewer triangles a wavelength along their mean edge")
         ->check(positive())
         ->capture_default_str();
     auto* json = sub->add_flag("--json", options->json, "The report as JSON on standard output");
     sub->add_flag("--flat", options->source.flat_estimate,
-                  "Also the estimate of feel, which takes each place of the skin for a large flat one")
+                  "Also the estimate of haptogram feel, which takes each place for large flat skin")
         ->needs(json);
     sub->add_option("-o,--output", options->output,
                     "Values of each triangle: .csv, .vtp (ParaView) or .png; - is CSV on standard output");

@@ -67,7 +67,7 @@ void add_serve(CLI::App& app, Action& action) {
         ->check(whole(1, 65535));
     sub->add_option("--osc", options->server.osc_port, "Port of OSC over UDP (default: none)")->check(whole(1, 65535));
     auto* const token =
-        sub->add_option("--token", options->server.token, "What clients must know (default: a random one)");
+        sub->add_option("--token", options->server.token, "Token that clients must show (default: a random one)");
     auto* const open =
         sub->add_flag("--no-token", options->no_token, "Let every program of this machine in")->excludes(token);
     sub->add_option(

@@ -23,7 +23,7 @@ struct FieldRequest {
     std::string name;       ///< of the file
 };
 
-/// Reads the query of /api/field; ../README.md has its members.
+/// Reads the query of /api/field; messages.hpp has its members.
 /// @throws Error naming the member that is missing or makes no sense
 [[nodiscard]] FieldRequest field_request(std::string_view query, Scenes& scenes);
 

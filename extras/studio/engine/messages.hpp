@@ -13,6 +13,21 @@
 //   live               live {shown}: begun, note and ended, and scenes, at most 33 a second
 //   stop               off {n, confirmed}, once the board has confirmed, or after 2 s without its word
 //   modulate, trigger, beat {hidden} (five times a second)    no answer
+//
+// Over HTTP, with the token; errors are {"error": {"message"}} with the usual codes:
+//   GET /api/hello                version, first document, lists of shapes, objects, algorithms, arrays, boards, ports
+//   POST, GET /api/files?name=N   keeps a file for a project, 64 MiB at most, and gives it back
+//   POST /api/document            a project's text, or an AdapTics pattern's: {document, files}
+//   POST /api/project             a document: {text, files}
+//   GET /api/outline              a hand: {segments, skin}, ends of its outline's lines, corners of its skin
+//   GET /api/take?scene=N&as=A    A: hex, manifest, project, primary, sequence or methods
+//   GET /api/report?scene=N       HTML
+//   GET /api/bitstream?scene=N&autostart=0 (or 1)
+//   GET /api/field?scene=N&plane=xy@z=130&x=-80:80&y=-80:80&step=MM&quantity=radiation&as=A    A: png, csv, npy or vti;
+//       with &record=R of this record alone
+//   GET /api/field?scene=N&x=-80:80&y=-80:80&z=60:200&step=MM&quantity=rms&as=stl&below=DB    the surface at so many
+//       decibels below the volume's greatest value
+//   POST /api/stop                outputs off, when the WebSocket does not answer
 #pragma once
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -174,7 +189,7 @@ struct StopMessage {
 };
 /// The page is alive.
 struct BeatMessage {
-    bool hidden = false;  ///< nobody sees it
+    bool hidden = false;  ///< the page is not visible
 };
 
 using Message =
@@ -217,7 +232,7 @@ inline constexpr std::size_t most_drawn_triangles = 10'000, most_drawn_points = 
 /// A shape as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the
 /// vertices; u32 numbers of the vertices of triangles (three each); float32 x, y, z of the ends of line segments (two
 /// each) and of points. Larger meshes are sent coarser: vertices in one cell of a grid become one, which leaves no
-/// holes. Of larger clouds every so many-th point is sent. The header says how many there are.
+/// holes. Of larger clouds every n-th point is sent. The header says how many points there are.
 ///
 /// | at | type | what |
 /// |----|------|------|

@@ -17,7 +17,7 @@ struct PosedArray {
 /// What drives one array of a rig, and where it is plugged in; both as the rig's file names them.
 struct RigBoard {
     std::string board{};  ///< empty: the board that the array's own file names
-    std::string port{};   ///< empty: whoever plays the rig is told
+    std::string port{};   ///< empty: the caller that plays the rig names it
 };
 
 /// Several arrays that play together. Their elements are numbered through: first those of the first array, then those

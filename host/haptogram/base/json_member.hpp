@@ -84,7 +84,7 @@ public:
         return *value_;
     }
 
-    /// Refuses members that nobody would read.
+    /// Refuses unknown members.
     void only(std::initializer_list<std::string_view> keys) const {
         for (const auto& [key, member] : object().items()) {
             if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;

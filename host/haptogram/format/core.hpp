@@ -20,7 +20,7 @@ struct Core {
     [[nodiscard]] std::uint32_t most_points() const {
         return std::min(parameters.records, parameters.sequence_depth - 1);
     }
-    /// The most focus records of so many foci that its primary memory holds, with nothing else in it. An index has 16
+    /// The most focus records of this many foci that primary memory holds, with nothing else in it. An index has 16
     /// bits, and the first of them is for records.
     [[nodiscard]] std::uint32_t most_focus_records(std::uint32_t foci = 1) const {
         const std::uint64_t words =

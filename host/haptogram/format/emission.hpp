@@ -27,8 +27,8 @@ struct EmissionWord {
 
 enum class Slew : std::uint8_t { none = 0, rate = 1, arrive = 2 };
 
-/// How fast phase and amplitude may change. `rate`: at most so many units a carrier period. `arrive`: each channel goes
-/// straight to its target, and is there after so many periods.
+/// How fast phase and amplitude may change. `rate`: at most this many units a carrier period. `arrive`: each channel
+/// goes straight to its target, and is there after this many periods.
 struct SlewLimit {
     Slew mode = Slew::none;
     std::uint16_t phase_rate = 65535;      ///< 65,536ths of the cycle a period, not 0
@@ -92,8 +92,8 @@ private:
     bool starts_ = true;  // the next period starts from silence
 };
 
-/// The width in ticks of the pulse that the FPGA makes of an amplitude, 65,535 being full, in a cycle of so many ticks.
-/// Of one shorter than `least_width`, the board's shortest, none or one of so many is left, whichever is nearer.
+/// The width in ticks of the pulse that the FPGA makes of an amplitude, 65,535 being full, in a cycle of this many
+/// ticks. A pulse shorter than `least_width`, the board's shortest, becomes none or `least_width`, whichever is nearer.
 [[nodiscard]] std::uint32_t emission_ticks(std::uint16_t amplitude, std::uint32_t cycle_ticks,
                                            std::uint32_t least_width);
 

@@ -80,7 +80,7 @@ struct ChannelDrive {
 
 /// What the FPGA computes, bit by bit, by the arithmetic that focus_phase.v, phasor_sum.v and polar.v describe.
 /// @param foci   1 to 8
-/// @param whole  all channels at full amplitude, whatever the length of their sums, but for those of length 0
+/// @param whole  all channels at full amplitude, whatever the length of their sums, except sums of length 0
 /// @return one a channel
 /// @throws Error{bad_input} when there are no channels, no foci or more than 8, or when a word has bits where 0 must be
 [[nodiscard]] std::vector<ChannelDrive> engine_drives(const FocusEngine& engine, std::span<const FocusWords> foci,

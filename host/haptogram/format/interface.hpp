@@ -86,26 +86,26 @@ struct BitField {
 
 namespace record_field {  // words of 16 bits
 inline constexpr BitField cycle_length = {"cycle_length", 0, 24};  // carrier period in ticks
-inline constexpr BitField pulse_length = {"pulse_length", 24, 8};  // how long a channel stays high, in ticks
+inline constexpr BitField pulse_length = {"pulse_length", 24, 8};  // length of each pulse in ticks
 inline constexpr BitField prescaler = {"prescaler", 32, 24};  // clocks per tick
-inline constexpr BitField kind = {"kind", 56, 8};  // what its words are; a record of another kind is refused
+inline constexpr BitField kind = {"kind", 56, 8};  // what the channels' words mean
 }  // namespace record_field
 
 namespace sequence_header_field {  // words of 32 bits
 inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
-inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream or the flash: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and after a reset of the FPGA, until a host sends a command that does more than ask
-inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is played; 0 is for ever
+inline constexpr BitField autostart = {"autostart", 15, 1};  // 1: the image, in a bitstream or in flash, plays at power-up and after a reset of the FPGA, with outputs enabled and no watchdog, until a host sends a command that does more than ask
+inline constexpr BitField loops = {"loops", 16, 16};  // how often it plays; 0 is for ever
 }  // namespace sequence_header_field
 
 namespace sequence_entry_field {  // words of 32 bits
 inline constexpr BitField index = {"index", 0, 15};  // record to play; 0 is silence
-inline constexpr BitField mark = {"mark", 15, 1};  // its beginning is an event of the trigger output, see the events; boards without trigger do not look at it
-inline constexpr BitField dwell = {"dwell", 16, 16};  // for so many carrier cycles; 0 until the next record is ready
+inline constexpr BitField mark = {"mark", 15, 1};  // 1: its beginning is event `mark`; needs trigger
+inline constexpr BitField dwell = {"dwell", 16, 16};  // carrier cycles to play; 0: until the next record is ready
 }  // namespace sequence_entry_field
 
 namespace identity_field {  // words of 16 bits
-inline constexpr BitField version_minor = {"version_minor", 128, 8};  // a change that old hosts need not know
-inline constexpr BitField version_major = {"version_major", 136, 8};  // a change that breaks old hosts
+inline constexpr BitField version_minor = {"version_minor", 128, 8};  // grows with changes that old hosts may ignore
+inline constexpr BitField version_major = {"version_major", 136, 8};  // grows with changes that break old hosts
 inline constexpr BitField channels = {"channels", 144, 16};  // CHANNELS
 inline constexpr BitField records = {"records", 160, 16};  // RECORDS
 inline constexpr BitField sequence_depth = {"sequence_depth", 176, 16};  // SEQUENCE_DEPTH
@@ -114,111 +114,111 @@ inline constexpr BitField timing_bits = {"timing_bits", 208, 8};  // TIMING_BITS
 inline constexpr BitField pulse_bits = {"pulse_bits", 216, 8};  // PULSE_BITS
 inline constexpr BitField clock_hz = {"clock_hz", 224, 32};  // CLOCK_HZ
 inline constexpr BitField features = {"features", 256, 16};  // see the feature bits
-inline constexpr BitField frame_bytes = {"frame_bytes", 272, 16};  // longest frame that is always taken, decoded, without its CRC
-inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 288, 16};  // shortest pulse of a playable record, in clocks
-inline constexpr BitField max_pulse_clocks = {"max_pulse_clocks", 304, 16};  // longest pulse of a playable record, in clocks
-inline constexpr BitField max_duty_256 = {"max_duty_256", 320, 16};  // largest part of its cycle that a pulse may take, in 1/256
-inline constexpr BitField max_cycle_clocks = {"max_cycle_clocks", 336, 32};  // longest cycle of a playable record, in clocks: one second
-inline constexpr BitField width_bits = {"width_bits", 368, 16};  // WIDTH_BITS; 0 when all pulses of a record have one length
-inline constexpr BitField foci = {"foci", 384, 16};  // FOCI, the most foci of a focus record
+inline constexpr BitField frame_bytes = {"frame_bytes", 272, 16};  // longest frame that always fits, decoded, without CRC
+inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 288, 16};  // shortest pulse of a record, in clocks
+inline constexpr BitField max_pulse_clocks = {"max_pulse_clocks", 304, 16};  // longest pulse of a record, in clocks
+inline constexpr BitField max_duty_256 = {"max_duty_256", 320, 16};  // largest duty of a pulse, in 1/256
+inline constexpr BitField max_cycle_clocks = {"max_cycle_clocks", 336, 32};  // longest cycle of a record, in clocks: one second
+inline constexpr BitField width_bits = {"width_bits", 368, 16};  // WIDTH_BITS
+inline constexpr BitField foci = {"foci", 384, 16};  // FOCI
 inline constexpr BitField modulation_words = {"modulation_words", 400, 16};  // MODULATION_DEPTH / 2
 }  // namespace identity_field
 
 namespace status_field {  // words of 16 bits
 inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
-inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from
-inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
+inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from: 0 nowhere (the last may still be playing), 1 SELECT, 2 sequence memory, 3 live FIFO
+inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: ENABLE is refused
 inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
-inline constexpr BitField waiting = {"waiting", 5, 1};  // a start, a modulation or pushed indices wait for their time
-inline constexpr BitField streaming = {"streaming", 6, 1};  // a stream plays; the mode is then live
-inline constexpr BitField flash = {"flash", 7, 2};  // of the image in the flash, of boards with SDRAM: 0 none, 1 whole, 2 broken: damaged, refused, or cut by a host
+inline constexpr BitField waiting = {"waiting", 5, 1};  // something waits behind a gate
+inline constexpr BitField streaming = {"streaming", 6, 1};  // a stream plays (mode is live)
+inline constexpr BitField flash = {"flash", 7, 2};  // image in the flash (SDRAM): 0 none, 1 whole, 2 broken: damaged, refused, or cut by a host
 inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
-inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready, and periods whose pulses were not ready
-inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
+inline constexpr BitField underruns = {"underruns", 32, 16};  // changes and periods that were due before they were ready
+inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that broke a limit
 inline constexpr BitField frames_good = {"frames_good", 64, 16};  // frames that arrived whole
-inline constexpr BitField frames_damaged = {"frames_damaged", 80, 16};  // frames dropped: CRC or framing wrong, too short, too long, or no room
-inline constexpr BitField frames_repeated = {"frames_repeated", 96, 16};  // frames that had been applied before
-inline constexpr BitField watchdog_trips = {"watchdog_trips", 112, 16};  // times the host was silent for too long
+inline constexpr BitField frames_damaged = {"frames_damaged", 80, 16};  // frames dropped: CRC, framing, length or no room
+inline constexpr BitField frames_repeated = {"frames_repeated", 96, 16};  // frames applied before
+inline constexpr BitField watchdog_trips = {"watchdog_trips", 112, 16};  // times the host fell silent
 inline constexpr BitField guard_trips = {"guard_trips", 128, 16};  // times a pin was high for too long
-inline constexpr BitField live_level = {"live_level", 144, 16};  // indices that wait in the live FIFO
-inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // the watchdog's time; 0 is off
-inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // whole frames whose command was refused
-inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // carrier periods in which the slew limiter kept a channel from its target
-inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel to count
-inline constexpr BitField role = {"role", 224, 2};  // in step with other boards; 0 on boards without SYNC
-inline constexpr BitField in_step = {"in_step", 226, 1};  // a slave's cycles begin with the master's; outputs of a slave are off as long as they do not
-inline constexpr BitField numbered = {"numbered", 227, 1};  // its carrier periods have the master's numbers, too
-inline constexpr BitField sync_misses = {"sync_misses", 240, 16};  // carrier periods of a slave in step that SYNC did not reach in time
-inline constexpr BitField sync_losses = {"sync_losses", 256, 16};  // times a slave in step fell out of it; outputs are off from then on
-inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes whose carrier period had come, or was to begin next, when they were carried out; from this word on, boards with schedule only
-inline constexpr BitField period = {"period", 288, 32};  // bits 31…0 of the number of the carrier period at the pins, 0 before the first since reset; taken as the answer begins
-inline constexpr BitField period_high = {"period_high", 320, 16};  // bits 47…32 of it
-inline constexpr BitField stream_late = {"stream_late", 336, 16};  // patterns that came too late for their period; from this word on, boards with stream only
-inline constexpr BitField stream_lost = {"stream_lost", 352, 16};  // periods of a stream without a pattern
-inline constexpr BitField stream_early = {"stream_early", 368, 16};  // patterns for a period too far ahead
-inline constexpr BitField stream_repeated = {"stream_repeated", 384, 16};  // patterns for a period that had one already; none of these was played
+inline constexpr BitField live_level = {"live_level", 144, 16};  // indices waiting in the live FIFO
+inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // watchdog time in ms; 0 is off
+inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // good frames that were refused
+inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // periods in which the slew limiter kept a channel from its target
+inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel
+inline constexpr BitField role = {"role", 224, 2};  // 0 alone, 1 master, 2 slave of SYNC
+inline constexpr BitField in_step = {"in_step", 226, 1};  // a slave's cycles begin with the master's; if not, its outputs are off
+inline constexpr BitField numbered = {"numbered", 227, 1};  // a slave's periods have the master's numbers
+inline constexpr BitField sync_misses = {"sync_misses", 240, 16};  // periods in which SYNC came late to a slave in step
+inline constexpr BitField sync_losses = {"sync_losses", 256, 16};  // times a slave fell out of step; outputs then go off
+inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes carried out when their carrier period had begun or was next; from here on: needs schedule
+inline constexpr BitField period = {"period", 288, 32};  // carrier period at the pins when the answer begins; 0 before the first since reset
+inline constexpr BitField period_high = {"period_high", 320, 16};  // bits 47…32
+inline constexpr BitField stream_late = {"stream_late", 336, 16};  // too late patterns; from here on: needs stream
+inline constexpr BitField stream_lost = {"stream_lost", 352, 16};  // lost periods
+inline constexpr BitField stream_early = {"stream_early", 368, 16};  // too early patterns
+inline constexpr BitField stream_repeated = {"stream_repeated", 384, 16};  // repeated patterns
 }  // namespace status_field
 
 namespace parameters_field {  // words of 16 bits
-inline constexpr BitField foci_base = {"foci_base", 0, 16};  // where focus records begin in primary memory, in units of four words
-inline constexpr BitField foci_count = {"foci_count", 16, 16};  // how many there are; index RECORDS + 1 is the first
-inline constexpr BitField foci_last = {"foci_last", 32, 3};  // the foci of each, less one
-inline constexpr BitField foci_whole = {"foci_whole", 35, 1};  // all channels at full amplitude
-inline constexpr BitField foci_cycle = {"foci_cycle", 48, 16};  // their carrier period, in ticks of one clock; at power-up that of 40 kHz
-inline constexpr BitField wave_number = {"wave_number", 64, 18};  // turns a 1/128 mm, times 2^27
-inline constexpr BitField gain = {"gain", 96, 16};  // of their sums: 39953 / n, rounded, for full amplitude where n whole foci meet in phase
-inline constexpr BitField slew = {"slew", 112, 2};  // 0 none, 1 phase and amplitude change by at most the two rates a period, 2 they arrive at a new record's in arrival_periods; 0 at power-up
-inline constexpr BitField phase_rate = {"phase_rate", 128, 16};  // of slew mode 1: 65,536ths of the cycle a period; 65,535 at power-up
-inline constexpr BitField amplitude_rate = {"amplitude_rate", 144, 16};  // of slew mode 1, 65,535 is full; 65,535 at power-up
-inline constexpr BitField arrival = {"arrival", 160, 12};  // of slew mode 2, 0 counts as 1
+inline constexpr BitField foci_base = {"foci_base", 0, 16};  // start of focus records in primary memory, in units of four words
+inline constexpr BitField foci_count = {"foci_count", 16, 16};  // number of focus records; the first has index RECORDS + 1
+inline constexpr BitField foci_last = {"foci_last", 32, 3};  // foci per record, less one
+inline constexpr BitField foci_whole = {"foci_whole", 35, 1};  // 1: all channels play at full amplitude
+inline constexpr BitField foci_cycle = {"foci_cycle", 48, 16};  // carrier period of focus records in clocks; 40 kHz at power-up
+inline constexpr BitField wave_number = {"wave_number", 64, 18};  // turns per 1/128 mm, times 2^27
+inline constexpr BitField gain = {"gain", 96, 16};  // round(39953 / n) gives full amplitude where n full foci meet in phase
+inline constexpr BitField slew = {"slew", 112, 2};  // 0: none (power-up); 1: at most phase_rate and amplitude_rate a period; 2: a new record's values are reached in `arrival` periods
+inline constexpr BitField phase_rate = {"phase_rate", 128, 16};  // slew 1: phase change a period, in 1/65,536 turn; 65,535 at power-up
+inline constexpr BitField amplitude_rate = {"amplitude_rate", 144, 16};  // slew 1: amplitude change a period; 65,535 is full, and at power-up
+inline constexpr BitField arrival = {"arrival", 160, 12};  // slew 2: periods; 0 counts as 1
 }  // namespace parameters_field
 
 namespace ring_field {  // words of 16 bits
-inline constexpr BitField base = {"base", 0, 16};  // where it begins in primary memory, in units of four words
-inline constexpr BitField first = {"first", 16, 16};  // index of the focus record that lies at the base
-inline constexpr BitField count = {"count", 32, 16};  // how many it has: more than LIVE_DEPTH, so that none is overwritten before it has played; 0 at power-up
+inline constexpr BitField base = {"base", 0, 16};  // start in primary memory, in units of four words
+inline constexpr BitField first = {"first", 16, 16};  // index of the focus record at the base
+inline constexpr BitField count = {"count", 32, 16};  // records; more than LIVE_DEPTH, so that none is overwritten before it plays; 0 at power-up
 }  // namespace ring_field
 
 namespace stream_field {  // words of 16 bits
-inline constexpr BitField first = {"first", 0, 16};  // index of the record, or focus record, that is slot 0; the others follow it
-inline constexpr BitField slot_bits = {"slot_bits", 16, 4};  // there are 2^slot_bits slots, at most STREAM; 0, as at power-up, is none
-inline constexpr BitField hold = {"hold", 32, 16};  // periods without a pattern through which the last one plays on
-inline constexpr BitField fade = {"fade", 48, 16};  // after those, what all amplitudes lose a period until they are 0; 65,535 is full
+inline constexpr BitField first = {"first", 0, 16};  // index of the record or focus record that is slot 0
+inline constexpr BitField slot_bits = {"slot_bits", 16, 4};  // 2^slot_bits slots, at most STREAM; 0 (power-up): no streams
+inline constexpr BitField hold = {"hold", 32, 16};  // lost periods that the last pattern bridges
+inline constexpr BitField fade = {"fade", 48, 16};  // then amplitudes fall by so much a period; 65,535 is full; not 0
 }  // namespace stream_field
 
 namespace trigger_field {  // words of 16 bits
-inline constexpr BitField event = {"event", 0, 3};  // what makes a pulse at the trigger output, see the events; none at power-up
-inline constexpr BitField out_periods = {"out_periods", 16, 16};  // of the event period: how many carrier periods from one to the next; 0 counts as 1
-inline constexpr BitField out_length = {"out_length", 32, 24};  // clocks for which the trigger output is high, from the last event on; 0 counts as 1
-inline constexpr BitField in_low = {"in_low", 64, 1};  // the trigger input is active while it is low
-inline constexpr BitField in_level = {"in_level", 65, 1};  // what waits for the trigger begins while the input is active; 0: when it becomes active
-inline constexpr BitField in_gates = {"in_gates", 66, 1};  // no pulse reaches the pins while the input is not active; time goes on meanwhile, and outputs are as much on as before
-inline constexpr BitField in_least = {"in_least", 80, 16};  // clocks for which a change of the input must last, beside its first, before it counts
-inline constexpr BitField test = {"test", 96, 2};  // what is at the test output, see the tests; nothing at power-up
-inline constexpr BitField test_channel = {"test_channel", 112, 16};  // of test carrier; in as many bits as the number of a channel has
-inline constexpr BitField now = {"now", 128, 32};  // bits 31…0 of the clocks since power-up; this and all behind it are of one moment, in which the answer begins
-inline constexpr BitField now_high = {"now_high", 160, 16};  // bits 47…32 of it
-inline constexpr BitField out_count = {"out_count", 176, 16};  // events at the trigger output, modulo 65,536
-inline constexpr BitField out = {"out", 192, 32};  // bits 31…0 of the clock since power-up in which the trigger output rose last, or would have risen
-inline constexpr BitField out_high = {"out_high", 224, 16};  // bits 47…32 of it
-inline constexpr BitField in_count = {"in_count", 240, 16};  // times the trigger input became active, modulo 65,536
-inline constexpr BitField in = {"in", 256, 32};  // bits 31…0 of the clock since power-up in which the trigger input, as it was sampled, became active
-inline constexpr BitField in_high = {"in_high", 288, 16};  // bits 47…32 of it
+inline constexpr BitField event = {"event", 0, 3};  // none at power-up
+inline constexpr BitField out_periods = {"out_periods", 16, 16};  // event `period`: carrier periods between events; 0 counts as 1
+inline constexpr BitField out_length = {"out_length", 32, 24};  // clocks that a pulse lasts; 0 counts as 1
+inline constexpr BitField in_low = {"in_low", 64, 1};  // the trigger input is active low
+inline constexpr BitField in_level = {"in_level", 65, 1};  // 1: the active level triggers; 0: the change to it
+inline constexpr BitField in_gates = {"in_gates", 66, 1};  // while the input is inactive all pins are low; playing goes on, and `enabled` stays 1
+inline constexpr BitField in_least = {"in_least", 80, 16};  // clocks, beside the first, that a change of the input must last
+inline constexpr BitField test = {"test", 96, 2};  // what the test output shows: 0 low (power-up), 1 `carrier`, the pin of test_channel; toggles when 2 `cycle`, a carrier cycle begins at the pins, 3 `index`, another record does
+inline constexpr BitField test_channel = {"test_channel", 112, 16};  // channel of test `carrier`, in as many bits as a channel number needs
+inline constexpr BitField now = {"now", 128, 32};  // clocks since power-up as the answer begins; all words from here on are of that moment
+inline constexpr BitField now_high = {"now_high", 160, 16};  // bits 47…32
+inline constexpr BitField out_count = {"out_count", 176, 16};  // events at the trigger output
+inline constexpr BitField out = {"out", 192, 32};  // clock of the last event
+inline constexpr BitField out_high = {"out_high", 224, 16};  // bits 47…32
+inline constexpr BitField in_count = {"in_count", 240, 16};  // times the trigger input became active
+inline constexpr BitField in = {"in", 256, 32};  // clock in which the trigger input last became active
+inline constexpr BitField in_high = {"in_high", 288, 16};  // bits 47…32
 }  // namespace trigger_field
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
-inline constexpr BitField format = {"format", 16, 16};  // of this block: 1 for records and a sequence alone, 2 with parameters, geometry or modulation
+inline constexpr BitField format = {"format", 16, 16};  // of this block: 1 for records and a sequence only, 2 with parameters, geometry or modulation
 inline constexpr BitField channels = {"channels", 32, 16};  // the board's CHANNELS
 inline constexpr BitField records = {"records", 48, 16};  // records in this image
-inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, with the header
-inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // the board needs at least as many TIMING_BITS
-inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // the board needs at least as many PULSE_BITS
+inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, including the header
+inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // least TIMING_BITS of a board
+inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // least PULSE_BITS of a board
 inline constexpr BitField clock_hz = {"clock_hz", 96, 32};  // the board's CLOCK_HZ
-inline constexpr BitField board_records = {"board_records", 128, 16};  // the board's RECORDS, because the first focus record has the next index; from this word on, format 2 only
-inline constexpr BitField modulation_samples = {"modulation_samples", 144, 16};  // how many there are; 0 is no modulation
-inline constexpr BitField modulation_divider = {"modulation_divider", 160, 16};  // carrier periods a sample
-inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 176, 16};  // the board's MIN_PULSE_CLOCKS, on which weak pulses of amplitudes depend
+inline constexpr BitField board_records = {"board_records", 128, 16};  // the board's RECORDS; from here on: format 2
+inline constexpr BitField modulation_samples = {"modulation_samples", 144, 16};  // samples; 0 is no modulation
+inline constexpr BitField modulation_divider = {"modulation_divider", 160, 16};  // carrier periods per sample
+inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 176, 16};  // the board's MIN_PULSE_CLOCKS
 }  // namespace description_field
 
 /// How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
@@ -391,20 +391,20 @@ inline constexpr unsigned description_words = 12;
 /// Bits of the identity block's features.
 enum class Feature : unsigned {
     sequence = 0,  // plays a sequence from its memory
-    live = 1,  // takes indices over the link while it plays
-    watchdog = 2,  // silences the outputs when the host falls silent
+    live = 1,  // takes indices while it plays
+    watchdog = 2,  // switches outputs off when the host falls silent
     guard = 3,  // bounds how long a pin can be high
-    amplitude = 4,  // plays records of phases and amplitudes
-    modulation = 5,  // multiplies all amplitudes by samples from a memory
+    amplitude = 4,  // plays records of amplitudes
+    modulation = 5,  // multiplies amplitudes by samples from a memory
     slew = 6,  // limits how fast phases and amplitudes change
     foci = 7,  // computes phases and amplitudes from foci
     schedule = 8,  // counts carrier periods; changes can wait for one, or for the end of what plays
-    live_foci = 9,  // takes foci over the link while it plays
-    stream = 10,  // takes a pattern for each carrier period, without answers
-    trigger = 11,  // marks events at a trigger output, takes a trigger, and has a test output
-    sync = 12,  // keeps its carrier cycles in step with other boards
-    chain = 13,  // passes the serial line on, so that one port leads to many boards
-    net = 14,  // is reached over Ethernet: frames come in datagrams and not on a serial line
+    live_foci = 9,  // takes foci while it plays
+    stream = 10,  // takes a pattern for each carrier period
+    trigger = 11,  // has trigger output, trigger input and test output
+    sync = 12,  // keeps its cycles in step with other boards
+    chain = 13,  // passes the serial line on to another board
+    net = 14,  // is reached over Ethernet, not over a serial line
 };
 [[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {
     return (features >> static_cast<unsigned>(feature) & 1U) != 0;
@@ -412,14 +412,14 @@ enum class Feature : unsigned {
 
 /// What the words of a record are.
 enum class Kind : unsigned {
-    timings = 0,  // the tick at which the channel starts its pulse
-    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256: 0 is tick 0; in bits 15…8 its amplitude a, 255 is full: the pulse takes asin(a / 255) / π of the cycle; a pulse shorter than MIN_PULSE_CLOCKS becomes none or one of so many, whichever is nearer
+    timings = 0,  // tick at which the channel's pulse starts; 0xFFFF: no pulse
+    amplitudes = 1,  // bits 7…0: where in the cycle the pulse's middle lies, in 1/256; bits 15…8: amplitude a, 255 is full: the pulse lasts asin(a / 255) / π of the cycle. A pulse shorter than MIN_PULSE_CLOCKS becomes none or MIN_PULSE_CLOCKS, whichever is nearer
 };
 
 /// Where the next record comes from.
 enum class Mode : unsigned {
-    idle = 0,  // nowhere; the last record may still be playing, and if none is, all is over
-    single = 1,  // the record that `select` named
+    idle = 0,  // nowhere; the last record may still be playing, until present_index is 0
+    single = 1,  // the record that SELECT named
     sequence = 2,  // sequence memory
     live = 3,  // the live FIFO
 };
@@ -427,7 +427,7 @@ enum class Mode : unsigned {
 /// How its carrier cycles are kept in step with other boards.
 enum class Role : unsigned {
     alone = 0,  // keeps its own time
-    master = 1,  // gives the time: every second of its cycles is a clock longer
+    master = 1,  // gives the time
     slave = 2,  // takes the time from SYNC
 };
 
@@ -441,19 +441,19 @@ enum class Flash : unsigned {
 /// What makes a pulse at the trigger output.
 enum class Event : unsigned {
     none = 0,  // no pulses
-    start = 1,  // playing begins: outputs are on, and the record is not silence
-    mark = 2,  // an entry of a sequence with `mark` begins, while outputs are on
-    pass = 3,  // the first entry of a sequence begins, in each pass, while outputs are on
-    period = 4,  // each out_periods-th carrier period begins, whatever plays; the first one is that behind the command
-    samples = 5,  // the first carrier period begins behind the moment in which the first sample of the modulation was taken, in each pass of the samples
+    start = 1,  // outputs are on and a record other than silence begins to play
+    mark = 2,  // a sequence entry with `mark` begins, with outputs on
+    pass = 3,  // a pass of a sequence begins, with outputs on
+    period = 4,  // every out_periods-th carrier period begins; the first is the one after the command
+    samples = 5,  // the first carrier period begins after the first sample of a pass of the modulation was taken
 };
 
 /// What is at the test output.
 enum class Test : unsigned {
     off = 0,  // low
-    carrier = 1,  // what is at the pin of test_channel
-    cycle = 2,  // changes when a carrier cycle begins at the pins
-    index = 3,  // changes with the first cycle of another record
+    carrier = 1,  // the pin of test_channel
+    cycle = 2,  // toggles when a carrier cycle begins at the pins
+    index = 3,  // toggles with the first cycle of another record
 };
 
 enum class Command : std::uint8_t {
@@ -578,18 +578,18 @@ constexpr std::string_view to_string(Command command) {
 constexpr std::string_view to_string(Status status) {
     switch (status) {
         case Status::ok: return "ok: applied";
-        case Status::repeated: return "repeated: this sequence number is one of the 128 before the expected one, so it counts as applied before; nothing was done again, but a command that only asks is answered anew, and disable and stop have acted";
+        case Status::repeated: return "repeated: applied before: the number is one of the 128 before the expected one. Nothing was done again, but a command that only asks is answered anew, and disable and stop have acted";
         case Status::unknown_command: return "unknown_command: no such command";
         case Status::bad_length: return "bad_length: the frame is longer or shorter than its command says";
-        case Status::out_of_order: return "out_of_order: this sequence number is one of the 127 behind the expected one, so a frame before it is missing; or no session was started since reset. Nothing was done, but disable and stop have acted. Send again from the expected sequence number, or identify";
+        case Status::out_of_order: return "out_of_order: a frame before it is missing (the number is one of the 127 after the expected one), or no session has begun since reset. Nothing was done, but disable and stop have acted. Send again from the expected number, or identify";
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
         case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
-        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: samples beyond MODULATION_DEPTH, or a first one on boards without schedule; push, push_foci: behind a gate for the end of what plays, or for the trigger; push_foci: the ring has no more records than LIVE_DEPTH, or lies outside the focus records or primary memory; sync: no such role";
-        case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
-        case Status::stopped: return "stopped: the stop input is active; release it, then enable. Also to a gate for the trigger, since what waits for that ends with whatever switches outputs off";
-        case Status::gate_busy: return "gate_busy: something waits for another carrier period already; wait until it has begun, or stop";
-        case Status::session_ended: return "session_ended: the session that this frame belongs to has ended, see over Ethernet, and none has begun since. Nothing was done, but disable and stop have acted. Nothing of that session is to be sent again: say so to whoever asked, then identify";
+        case Status::bad_range: return "bad_range: start: entries outside 1…SEQUENCE_DEPTH−1, in the command or the sequence header; modulate: samples beyond MODULATION_DEPTH, or a first sample on a board without schedule; push, push_foci: they cannot wait for an end or the trigger; push_foci: the ring has LIVE_DEPTH records or fewer, or lies outside the focus records or primary memory; sync: no such role";
+        case Status::fifo_full: return "fifo_full: the live FIFO has fewer free places than the frame has indices; nothing was pushed";
+        case Status::stopped: return "stopped: the stop input is active; release it, then enable. A gate for the trigger is refused, too";
+        case Status::gate_busy: return "gate_busy: something already waits for another carrier period; wait until it has begun, or stop";
+        case Status::session_ended: return "session_ended: the session of this frame has ended, and no other has begun. Nothing was done, but disable and stop have acted. Report it, then identify; send nothing of that session again";
         case Status::out_of_step: return "out_of_step: the board is a slave and not in step with SYNC; look at its status, wait until it is, then enable";
     }
     return "unknown status";

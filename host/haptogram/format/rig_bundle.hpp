@@ -16,7 +16,7 @@ struct TilePart {
     std::string array;         ///< name of its array, for messages
     std::size_t elements = 0;  ///< how many of the rig's elements it drives; channels that are left over are silent
     Core core;
-    std::string port;  ///< empty: whoever plays the rig is told
+    std::string port;  ///< empty: the caller that plays the rig names it
 };
 
 /// The images of a rig, one a tile, and what they are together. All have the same sequence, so that boards that begin

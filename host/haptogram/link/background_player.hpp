@@ -50,7 +50,7 @@ public:
     BackgroundPlayer(const BackgroundPlayer&) = delete;
     BackgroundPlayer& operator=(const BackgroundPlayer&) = delete;
     ~BackgroundPlayer();
-    /// Turns the outputs off, waiting some two seconds at most. After it, whoever asks for anything is refused.
+    /// Turns the outputs off, waiting some two seconds at most. Every later call is refused.
     void end();
 
     [[nodiscard]] const Clock& clock() const { return clock_; }

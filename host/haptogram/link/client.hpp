@@ -89,7 +89,7 @@ private:
         Request request;
         std::function<void(const Reply&)> done;
         std::function<void(const Error&)> refused;
-        bool keeps_alive = false;      ///< nobody asked for it
+        bool keeps_alive = false;      ///< sent by the client itself
         std::optional<Reply> reply{};  ///< waits for those before it
     };
     /// A frame that was sent and whose reply, if it gets one, is still to come. Replies come in the order of frames.

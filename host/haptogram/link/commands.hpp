@@ -123,7 +123,7 @@ struct Request {
 /// Writes words of 16 bits.
 [[nodiscard]] Request write_request(std::uint32_t address, std::span<const std::uint16_t> words);
 [[nodiscard]] Request write_request(std::uint32_t address, const Bytes& bytes);
-/// A READ or DIGEST of so many bytes.
+/// A READ or DIGEST of this many bytes.
 [[nodiscard]] Request asking_request(interface::Command command, std::uint32_t address, std::size_t bytes);
 /// What Commands::push() and push_foci() send.
 [[nodiscard]] Request push_request(std::span<const std::uint16_t> indices, std::uint16_t dwell);
@@ -201,14 +201,14 @@ public:
     virtual void tell(Request request) = 0;
     /// Sends what can be sent of what is queued, without waiting for an answer.
     virtual void flush() = 0;
-    /// Waits until at most so many requests are unanswered.
+    /// Waits until at most this many requests are unanswered.
     virtual void wait(std::size_t most_unanswered = 0) = 0;
     [[nodiscard]] virtual std::size_t unanswered() const = 0;
-    /// Drops what is queued. What is under way already may still be carried out, but nobody is told of it.
+    /// Drops what is queued. Requests that are under way may still be carried out, but their answers are dropped.
     virtual void drop() = 0;
     /// Frames that were sent again because the line had lost them or their answers.
     [[nodiscard]] virtual std::uint64_t retransmissions() const = 0;
-    /// The time of its line, in which whoever works with it waits.
+    /// The time of its line, in which callers wait.
     [[nodiscard]] virtual Clock& clock() = 0;
     /// Turns the outputs off ahead of everything that is queued, whatever came before and whatever the line has lost.
     /// @return whether the device has confirmed it

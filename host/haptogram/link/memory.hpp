@@ -16,7 +16,7 @@ struct Piece {
     Bytes bytes;
 };
 
-/// Cuts words into pieces of at most so many bytes, little-endian, and appends them.
+/// Cuts words into pieces of at most this many bytes, little-endian, and appends them.
 /// @param base  the address of the first word
 template <class Word>
 void cut(std::vector<Piece>& pieces, std::uint32_t base, const std::vector<Word>& words, std::size_t bytes) {

@@ -14,7 +14,7 @@ struct PatternSettings {
     bool foci = false;  ///< patterns are focus records, which the device computes, instead of records of amplitudes
     std::uint32_t slots =
         0;  ///< how many periods ahead the host can be, a power of two from 16 on; 0: as many as the device has
-    std::uint16_t hold = 40;          ///< for so many periods without a pattern the last one plays on
+    std::uint16_t hold = 40;          ///< periods without a pattern through which the last pattern plays on
     std::uint16_t fade = 1024;        ///< then amplitudes lose so much a period, of 65,535
     std::uint16_t watchdog_ms = 500;  ///< outputs go off when this host is silent for so long; 0: never
 };
@@ -49,7 +49,7 @@ inline constexpr double pattern_period_s = 1.0 / 40'000;
 using PatternSource =
     std::function<std::optional<std::size_t>(std::uint64_t period, std::span<std::uint16_t> patterns)>;
 
-/// What became of those that were sent, as the device counted.
+/// What became of the patterns that were sent, as the device counted.
 struct PlayedPatterns {
     std::uint64_t sent = 0, late = 0, lost = 0, early = 0, repeated = 0;
     std::uint32_t lead = 0;    ///< carrier periods that the host was ahead last

@@ -41,7 +41,7 @@ inline constexpr std::string_view reference_prefix = "reference:";
 /// first, then the likely one and the known ones, from the fastest on. A board turns its outputs off when it hears
 /// bytes that are slower than its own.
 /// @param question  that is asked: IDENTIFY, or what turns the outputs off
-/// @param rounds    after which nobody is there
+/// @param rounds    tries at each rate, after which there is no board
 /// @throws LinkLost when no board answers at any rate; Error{device} as above; Interrupted
 [[nodiscard]] std::unique_ptr<Transport> open_port(const PortSettings& settings,
                                                    interface::Command question = interface::Command::identify,

@@ -27,7 +27,7 @@ public:
 };
 using StreamSource = SourceOf<SequenceEntry>;
 
-/// A focus for so many carrier cycles.
+/// A focus, and for how many carrier cycles it plays.
 struct FocusEntry {
     FocusWords focus{};
     std::uint16_t dwell = 1;

@@ -34,7 +34,7 @@ Played stream(Commands& device, const StreamSettings& settings, FocusSource& sou
 Played stream(Commands& device, const StreamSettings& settings, Image image, std::uint64_t loops,
               const std::string& where, const Progress& progress = {}, const Watch& watch = {});
 
-/// How many carrier cycles an entry must last for so many entries a second.
+/// How many carrier cycles an entry must last for this many entries a second.
 /// @throws Error{bad_argument} for a "rate" that no number of cycles from 1 to 65535 makes within 5 %
 [[nodiscard]] std::uint16_t dwell_of(double rate, double carrier_hz);
 

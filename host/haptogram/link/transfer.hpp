@@ -90,12 +90,12 @@ struct DeviceSequence {
 /// @throws Error{device} when there is none
 [[nodiscard]] DeviceSequence download_sequence(Commands& device, const std::string& where, bool empty_is_good = false);
 
-/// Reads the memory that an image fills back, but for the geometry, which cannot be read, byte by byte. @return empty
+/// Reads the memory that an image fills back, byte by byte, except the geometry, which cannot be read. @return empty
 /// when it holds the image, else the first difference in words
 std::string compare(Commands& device, const Image& image, const Progress& progress = {});
 
 /// The image that a device's memories hold: its sequence, and the records up to the highest that the sequence plays.
-/// @param records  at least so many records
+/// @param records  read at least this many records
 /// @param where    names the device in messages
 /// @throws Error{device} when there is no sequence, or when it plays foci, whose geometry cannot be read back;
 /// Error{bad_input} when what should be a record is none

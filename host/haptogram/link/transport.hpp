@@ -27,7 +27,7 @@ public:
     RateRefused(const std::string& where, const std::string& message) : Error(ErrorCode::device, where, message) {}
 };
 
-/// The user has asked to end while a board was waited for. What was on is shut off by whoever turned it on.
+/// The user has asked to end while a board was waited for. The caller that turned outputs on turns them off.
 class Interrupted : public Error {
 public:
     Interrupted() : Error(ErrorCode::cancelled, "board", "ended before it had answered, because a signal asked to") {}
@@ -60,7 +60,7 @@ public:
     [[nodiscard]] virtual bool break_has_acted() { return false; }
     /// While this says so, a port that takes no bytes is not waited for.
     virtual void set_interrupt(const Interrupt&) {}
-    /// The line's own time, which is not the machine's when the board is simulated. It outlives whoever waits in it.
+    /// The line's own time, which is not the machine's when the board is simulated. It outlives all that wait in it.
     [[nodiscard]] virtual Clock& clock() { return machine_clock(); }
     /// How long an answer may take on this line before the request is sent again.
     [[nodiscard]] virtual std::chrono::microseconds patience() const {

@@ -26,7 +26,7 @@ struct AboutBoard {
 
 /// A question to the open port, which needs no session.
 [[nodiscard]] std::vector<std::uint8_t> open_question(interface::Command command);
-/// What its answer says, but for the port's name; empty when the bytes are no such answer.
+/// What the open port's answer says, without the port's name; empty when the bytes are no such answer.
 [[nodiscard]] std::optional<AboutBoard> to_about(std::span<const std::uint8_t> answer, interface::Command command);
 
 /// "udp:ADDRESS[:PORT]"

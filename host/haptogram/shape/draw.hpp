@@ -56,7 +56,7 @@ struct Pace {
 /// The speed at which focal points that follow a line are felt best by a rule of thumb of the paper “Shapes”, m/s.
 inline constexpr double usual_speed_m_s = 7.0;
 
-/// A part of a pass: foci, or silence, for so many carrier periods. The number need not be whole.
+/// A part of a pass: foci, or silence, and its carrier periods, a number that need not be whole.
 struct Stretch {
     std::vector<Focus> foci;
     double periods = 0.0;

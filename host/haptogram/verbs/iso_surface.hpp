@@ -23,8 +23,8 @@ struct IsoSurface {
 /// @throws Error{bad_argument} for any other field
 [[nodiscard]] IsoSurface iso_surface(const Field& volume, double value);
 
-/// The surface so many decibels below the greatest value of the volume. A radiation pressure goes with the square of
-/// the sound pressure, so that all quantities have the same surface.
+/// The surface at this many decibels below the greatest value of the volume. A radiation pressure goes with the square
+/// of the sound pressure, so that all quantities have the same surface.
 /// @throws Error{bad_argument} as iso_surface(), and when below_db is not above 0
 [[nodiscard]] IsoSurface surface_below(const Field& volume, double below_db);
 

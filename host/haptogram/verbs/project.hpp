@@ -35,7 +35,7 @@ enum class ImageKind { records, foci };
 /// A tactile object and how it is played: all that shapes an image. Command line options, a project file and a page are
 /// three ways to fill one in; the same settings give the same bytes.
 struct Project {
-    std::vector<ShapeSource> shapes;  ///< the union of those that no key frame names
+    std::vector<ShapeSource> shapes;  ///< drawn together, except shapes that a key frame names
     std::string path;                 ///< a path file instead, which has its own places and times
     std::optional<HandSource> hand;   ///< or a hand that feels an object
     Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm), unless it or one

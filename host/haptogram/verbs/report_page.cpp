@@ -312,7 +312,7 @@ std::string how_phases_are_made(const Manifest& manifest) {
         return "The board computes the phase and the amplitude of each transducer from the foci, in 1/256 of a carrier "
                "period and 1/255 of the full amplitude.";
     std::string text = fmt::format(
-        "Emission times are counted in ticks of {:.4g} ns, {} in a carrier period, with pulses of {:.4g} % of it",
+        "Emission times are counted in ticks of {:.4g} ns, {} in a carrier period, of which a pulse lasts {:.4g} %",
         manifest.timer.tick_s() * 1e9, manifest.timer.cycle_ticks, 100.0 * manifest.timer.duty());
     if (manifest.has_several_foci())
         for (const MethodName& method : method_names)
@@ -385,7 +385,7 @@ std::vector<Row> numbers_of(const Timeline& timeline, const ImageAnalysis& analy
         rows.emplace_back("modulation", fmt::format("{} samples of {} each", manifest.modulation->samples.size(),
                                                     periods(manifest.modulation->divider)));
     rows.emplace_back("SHA-256 of the image", manifest.image_sha256);
-    rows.emplace_back("SHA-256 of what it was made of", manifest.input_sha256);
+    rows.emplace_back("SHA-256 of its input", manifest.input_sha256);
     rows.emplace_back("made by", fmt::format("Haptogram {}", version()));
     return rows;
 }
@@ -451,7 +451,7 @@ std::string methods_text(const Timeline& timeline) {
                                                                    manifest.modulation->divider)));
     text += fmt::format(
         " The image was compiled by Haptogram {} for {} with {} channels at {:.4g} MHz (SHA-256 of the image {}, of "
-        "what it was made of {}).",
+        "its input {}).",
         version(), manifest.core.name, manifest.core.parameters.channels, 1e-6 * manifest.timer.clock_hz,
         manifest.image_sha256, manifest.input_sha256);
     return text;

@@ -31,7 +31,7 @@ struct Finding {
 inline constexpr double least_even_share = 0.5;
 /// A side lobe of more than this share of the focus's radiation pressure may be felt as a second point.
 inline constexpr double most_side_lobe = 0.5;
-/// An object smaller than so many widths of a focus feels like a point.
+/// An object smaller than this many widths of a focus feels like a point.
 inline constexpr double least_widths = 2.0;
 
 /// What compiling alone tells, the gravest first:

@@ -25,7 +25,7 @@ inline constexpr std::array all_checks = {Check::link,        Check::memories, C
 /// Empty when no check has this name.
 [[nodiscard]] std::optional<Check> check_named(std::string_view name);
 
-/// What became of a check. Unjudged: what only a person can tell, and nobody was there, or there is no such part.
+/// A check's result. Unjudged: only a person can judge it, and none was asked, or the board has no such part.
 enum class Outcome : std::uint8_t { passed, failed, unjudged };
 [[nodiscard]] std::string_view to_string(Outcome outcome);
 
@@ -40,12 +40,12 @@ struct Finding {
 struct SelfTestSettings {
     Array array;  ///< that the device drives; it says carrier, duty, and how to focus
     std::vector<Check> checks{all_checks.begin(), all_checks.end()};
-    std::uint32_t first_channel = 0;              ///< of those that play one after the other
+    std::uint32_t first_channel = 0;              ///< of the channels that play one after the other
     std::optional<std::uint32_t> last_channel{};  ///< without: the device's last
     double channel_s = 0.3;                       ///< for how long each of them plays
     Vec3 point{0.0, 0.0, 0.15};                   ///< that a hand should feel, m, in the array's frame
     double point_s = 5.0;                         ///< for how long it plays
-    /// Shows a question to a person and returns the line that was answered; empty when nobody is there to be asked.
+    /// Shows a question to a person and returns the line that was answered; empty when there is no one to ask.
     std::function<std::string(const std::string& question)> ask{};
     std::function<void(const Finding&)> tell{};  ///< told each finding as soon as there is one
     Progress progress{};                         ///< its stages are the checks' names

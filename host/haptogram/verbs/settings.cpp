@@ -182,7 +182,7 @@ constexpr Setting of_projects[] = {
                         "as tile-100; by default what the array's file says under [board]"),
     of<&Project::path>("path", "--path", File{},
                        "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm "
-                       "and intensity, or an .adaptics pattern, looked at --points times"),
+                       "and intensity, or an .adaptics pattern, sampled --points times"),
     with(of<&Project::points>("points", "--points", WholeNumbers{1, 65535},
                               "Focal points to take from a surface, a curve or a larger cloud; samples of an AdapTics "
                               "pattern; steps of the pass of a hand's frame"),
@@ -201,12 +201,11 @@ constexpr Setting of_projects[] = {
             any_positive, "Draw the shape's curves this many times a second, Hz"),
          for_paced, how_fast),
     with(of<&Project::jump>("jump", "--jump", Choices(jumps),
-                            "Between curves that are drawn: hop, which takes no time, or blank, silence for as long as "
-                            "the way takes"),
+                            "Between curves: hop, in no time, or blank, silence for as long as the way takes"),
          for_drawn),
     with(of<&Project::even>("even", "--even", Flag{},
-                            "Choose dwells that make all points feel alike, with what the foci add to each other, "
-                            "instead of equal ones; each point keeps at least a third of an equal one"),
+                            "Choose dwells that make all points feel alike, instead of equal dwells; each point keeps "
+                            "at least a third of an equal dwell"),
          for_shapes),
     of<&Project::am>("am", "--am", FileOrName{},
                      "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, sawtooth:HZ, "
@@ -218,8 +217,8 @@ constexpr Setting of_projects[] = {
                             "Amplitude of all foci, as a fraction of the pressure that the array can make there"),
     with(by(get_fade, put_fade, "fade", "--fade",
             Form{[](std::string_view text) { return fade_of(text).has_value(); }, fade_form, fade_pattern},
-            "Strongest at one side of the shapes (left, right, front, back, below or above): left:0.5 is the full "
-            "amplitude where x is least, half of it where x is most, and evenly between"),
+            "Fade from one side of the shapes (left, right, front, back, below or above): left:0.5 is full amplitude "
+            "at the least x, half of it at the greatest x, and linear between"),
          for_shapes),
     of<&Project::magnitude>("magnitude", "--magnitude", any_positive,
                             "How strong each focus feels to a palm under --am, from the array's force and the "

@@ -51,8 +51,8 @@ struct SettingText {
     std::variant<Flag, File, FileOrName, Numbers, WholeNumbers, Length, Place, Turn, Form, Choices, Table> kind =
         Table{};
     std::string_view needed{};   ///< what it must be, in words, if it must be there
-    std::string_view one_of{};   ///< what it says, when another setting can say it instead: one of them is there
-    std::string_view subject{};  ///< what it is of, in words, when not everything can have it
+    std::string_view one_of{};   ///< what several settings can say, in words; at most one of these is given
+    std::string_view subject{};  ///< what can have the setting, in words; empty: everything
 };
 
 /// A setting of a project, or of a part of one. All that there is to say of it stands here once. A setting that not

@@ -28,7 +28,8 @@ public:
     /// @param triggers  outlive this
     explicit TriggerLines(std::span<const Trigger> triggers) : triggers_(triggers), inside_(triggers.size()) {}
 
-    /// The numbers of those that a line fires. A region is entered by the first joint, or palm, of any hand in it.
+    /// The numbers of the triggers that a line fires. A region is entered by the first joint, or palm, of any hand in
+    /// it.
     /// @throws Error{bad_input} naming `where` for a line that says something else
     [[nodiscard]] std::vector<std::size_t> fired(std::string_view line, const std::string& where);
 

@@ -56,7 +56,7 @@ struct Sureness {
     double place_m = 0.0, angle_rad = 0.0;
 };
 /// @param noise_m  standard deviation of each coordinate
-/// @param learned  whether the noise was estimated from so many points, and is not known
+/// @param learned  whether the noise was estimated from the points, and is not known
 [[nodiscard]] Sureness sureness_of(std::span<const Vec3> known, double noise_m, bool learned);
 
 /// Where to touch next, of some places: where the turn about the axis that is known worst becomes surest.

@@ -68,7 +68,7 @@ public:
     /// @param amplitude  of all foci
     Played play(const std::vector<Voice>& voices, double until_s, double amplitude = 1.0);
 
-    /// Plays one pass of the first voice, in so many steps, or in steps as near to the dwell as fill it evenly. The
+    /// Plays one pass of the first voice, in this many steps, or in steps as near to the dwell as fill it evenly. The
     /// others take as many whole passes as come nearest to their pace, and their modulation whole periods, so that the
     /// path can be repeated.
     /// @throws Error{bad_input} when a step would last less than a carrier period

@@ -69,7 +69,7 @@ struct ShotReport {
     /// From the newest frame whose path has gone to the board to its beginning, by what is in the board's FIFO.
     std::optional<double> latency_s{};
     std::vector<std::string> troubles;  ///< whole sentences
-    std::vector<std::string> news;      ///< the same of what is no trouble: of objects that have come
+    std::vector<std::string> news;      ///< sentences that are no trouble, such as on objects that have come
 };
 
 /// Counts of frames unless said otherwise.

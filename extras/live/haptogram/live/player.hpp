@@ -148,14 +148,14 @@ protected:
     };
 
     void push(std::span<const std::uint16_t> indices, std::uint16_t dwell);
-    /// Sends a request that puts so many entries into the FIFO.
+    /// Sends a request that puts this many entries into the FIFO.
     void send_entries(link::Request request, std::span<const std::uint16_t> indices, std::uint16_t dwell);
     void submit(link::Request request, std::size_t entries = 0) { submit_to(device_, std::move(request), entries); }
     void submit_to(link::Commands& device, link::Request request, std::size_t entries = 0);
     /// Keeps the watchdog quiet, and takes answers in. @return whether there was anything to do
     bool idle();
     [[nodiscard]] double level() const;
-    /// A path begins with this entry, before which so many wait.
+    /// A path begins with this entry, before which this many entries wait.
     void begins(SentRing about, std::uint64_t entry, double waiting);
     /// Asks for the status, and stamps what can be by it.
     void ask();

@@ -29,7 +29,7 @@ public:
     Crossing(const Crossing& a, const Crossing& b);
 
     /// Into the object, length 1: the mean of the votes within 45° of that about which the finger's section is largest;
-    /// nothing when nobody votes.
+    /// nothing without a vote.
     [[nodiscard]] std::optional<Vec3> inward() const;
     /// How much of the finger goes through what faces a direction within 45°, m²: of the convex hull of those that vote
     /// so, seen along it. 0 for fewer than three.

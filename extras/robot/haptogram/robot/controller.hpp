@@ -20,8 +20,8 @@ struct ControllerOptions {
     double reserve_n = 3.0;      ///< asked on top of the least tension, so that none falls below it in motion
     double drive_kg = 0.21;      ///< a motor's inertia, seen at the cable
     double tension_gain = 0.05;  ///< of the tension controller: part of an error that it takes back in one period
-    double unfelt_n = 0.03;      ///< a force below it is nobody's. The mean of a period has 6 mN of the sensors' noise,
-                                 ///< and the stretch of the cables looks like 1 mN: in Z2 these would add up to a way
+    double unfelt_n = 0.03;  ///< a smaller force counts as none. The mean of a period has 6 mN of the sensors' noise,
+                             ///< and the stretch of the cables looks like 1 mN: in Z2 these would add up to a way
     // Faults.
     double turned_rad = 0.35;  ///< a handle that is turned by so much is lost to seven cables: the motors brake
     double tumbling_m_s = 0.5, calm_m_s = 0.1, calm_s = 0.1;  ///< and to eight at such a speed of a cable: until they

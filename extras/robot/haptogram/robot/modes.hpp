@@ -22,7 +22,7 @@ struct Stimulus {
     double frequency_hz = 200;  ///< of the square wave that modulates them
 };
 
-/// The one clock of both stages. It counts carrier periods; every so many of them, the robot has one of its own.
+/// The one clock of both stages. It counts carrier periods; a period of the robot is a whole number of them.
 struct SharedClock {
     double carrier_hz = 40000.0;
     std::uint32_t carrier_periods = 1200;  ///< in a period of the robot: 30 ms, 33.3 Hz (Multimodal, section II-C)

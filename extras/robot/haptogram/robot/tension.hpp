@@ -10,7 +10,7 @@ namespace haptogram::robot {
 
 /// The tensions that balance a wrench: t = particular + null·y for any y, because eight cables hold six freedoms.
 struct TensionSpace {
-    PerCable particular;                               ///< t_s = −(Aᵀ)⁺·W, the one of least norm
+    PerCable particular;                               ///< t_s = −(Aᵀ)⁺·W, the tensions of least norm
     Eigen::Matrix<double, cable_count, 2> null_space;  ///< orthonormal columns with Aᵀ·null = 0
 };
 

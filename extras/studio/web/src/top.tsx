@@ -23,7 +23,7 @@ function DesignMenu({ actions }: WithActions) {
     addEventListener("pointerdown", outside);
     return () => removeEventListener("pointerdown", outside);
   }, []);
-  const words = isSaved.value ? "as its file" : keptAt.value === undefined ? "not saved as a file" : `kept in this browser, ${time(keptAt.value)}`;
+  const words = isSaved.value ? "file is up to date" : keptAt.value === undefined ? "not saved as a file" : `kept in this browser, ${time(keptAt.value)}`;
   return (
     <details class="menu" ref={menu}>
       <summary title="Open, save, recent designs"><b>{designName.value || "Haptogram studio"}</b> <small class="wide-only">{words}</small></summary>
