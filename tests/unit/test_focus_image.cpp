@@ -224,6 +224,18 @@ TEST_CASE("focus image: what does not fit a board is named", "[foci]") {
     Image with_samples = image;
     with_samples.modulation = SampledModulation{1, std::vector<std::uint8_t>(4097)};
     REQUIRE_REFUSED(require_fits(with_samples, wide().parameters, "i"));
+
+    Image timed;
+    timed.channels = wide().parameters.channels;
+    timed.clock_hz = wide().parameters.clock_hz;
+    for (const std::uint32_t cycle : {2048U, 2049U, 3071U, 3072U}) {  // 2^11 + 1 to 2^11 + 2^10 − 1 play silence
+        timed.records.assign(1, Record{.cycle_length = cycle, .prescaler = 1, .pulse_length = 100});
+        INFO(cycle << " ticks");
+        if (cycle == 2048U || cycle == 3072U)
+            CHECK_NOTHROW(require_fits(timed, wide().parameters, "i"));
+        else
+            CHECK_REFUSED(require_fits(timed, wide().parameters, "i"));
+    }
 }
 
 TEST_CASE("focus image: many foci at a time take more than a period to compute, which is a warning", "[foci]") {

@@ -436,6 +436,7 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--settings", options->settings,
                     "A TOML file whose table [live] has options by their names, with _ for -; those of the command "
                     "line come first")
+        ->configurable(false)
         ->check(CLI::ExistingFile);
     add_watchdog_option(*sub, options->loop.watchdog_ms);
     sub->add_option("--record", options->record, "A new folder for the shots, which depth:FOLDER plays again");

@@ -540,6 +540,11 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
         require(core.width_bits == 0 || clocks >= least_timed_cycle,
                 fmt::format("record {} has a cycle of {} clocks, a board with amplitudes plays {} or more", r + 1,
                             clocks, least_timed_cycle));
+        const std::uint64_t unfit = 1ULL << core.timing_bits;  // rtl/record_header.v
+        require(core.width_bits == 0 || record.kind == interface::Kind::amplitudes || record.cycle_length <= unfit ||
+                    record.cycle_length >= unfit + (1ULL << core.width_bits),
+                fmt::format("record {} has a cycle of {} ticks, a board with amplitudes plays none of {} to {}", r + 1,
+                            record.cycle_length, unfit + 1, unfit + (1ULL << core.width_bits) - 1));
         if (record.pulse_length == 0) continue;
         const std::uint64_t pulse = std::uint64_t{record.pulse_length} * record.prescaler;
         require(pulse >= core.min_pulse_clocks && pulse <= max_pulse_clocks(core),

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/verbs/project.hpp"
@@ -13,63 +11,6 @@ namespace haptogram {
 namespace {
 
 constexpr std::string_view table_name = "live";
-constexpr std::string_view keys_of_live[] = {"from",
-                                             "algorithm",
-                                             "object",
-                                             "size",
-                                             "height",
-                                             "center",
-                                             "rotate",
-                                             "unit",
-                                             "scene_in",
-                                             "mass",
-                                             "port",
-                                             "baud",
-                                             "array",
-                                             "rig",
-                                             "speed",
-                                             "frequency",
-                                             "jump",
-                                             "corner",
-                                             "corner_radius",
-                                             "corner_line",
-                                             "corner_triangle",
-                                             "off_skin",
-                                             "priority",
-                                             "gap",
-                                             "solid_level",
-                                             "two_foci",
-                                             "grain_spacing",
-                                             "grain_length",
-                                             "blob_finger",
-                                             "blob_palm",
-                                             "am_frequency",
-                                             "wait",
-                                             "press_radius",
-                                             "press_foci",
-                                             "magnitude",
-                                             "method",
-                                             "predict",
-                                             "latency",
-                                             "press_frequency",
-                                             "filter",
-                                             "voxel",
-                                             "cluster",
-                                             "cameras",
-                                             "workspace_low",
-                                             "workspace_high",
-                                             "stiffness",
-                                             "damping",
-                                             "static_friction",
-                                             "dynamic_friction",
-                                             "distance",
-                                             "rate",
-                                             "seconds",
-                                             "seed",
-                                             "watchdog",
-                                             "record",
-                                             "scene",
-                                             "json"};
 
 /// Adds one value to a setting. @return it as the file has it
 std::string add_part(LiveSetting& setting, const toml::node& node, const section::Section& section) {
@@ -87,18 +28,12 @@ std::string add_part(LiveSetting& setting, const toml::node& node, const section
 
 std::vector<LiveSetting> settings_of(const toml::table& root, const std::string& where) {
     const section::Section section(where, root, std::string(table_name));
-    if (const auto* table = root.get_as<toml::table>(table_name))
-        for (const auto& [key, node] : *table)
-            if (std::find(live_keys().begin(), live_keys().end(), key.str()) ==
-                live_keys().end())  // more than a message can name
-                throw bad_input(section.at(key.str()),
-                                fmt::format("unknown key {}; known are the options that 'haptogram live --help' "
-                                            "names, with _ for -",
-                                            section.full(key.str())));
     std::vector<LiveSetting> settings;
-    for (const std::string_view key : live_keys()) {
-        const toml::node* node = section.find(key);
-        if (node == nullptr) continue;
+    const toml::table* table = root.get_as<toml::table>(table_name);
+    if (table == nullptr) return settings;
+    for (const auto& [name, value] : *table) {
+        const std::string_view key = name.str();
+        const toml::node* const node = section.find(key);
         LiveSetting& setting = settings.emplace_back();
         setting.key = key;
         setting.where = section.at(key);
@@ -116,8 +51,6 @@ std::vector<LiveSetting> settings_of(const toml::table& root, const std::string&
 }
 
 }  // namespace
-
-std::span<const std::string_view> live_keys() { return keys_of_live; }
 
 std::vector<LiveSetting> load_live_table(const std::string& path) {
     const std::string file = project_file(path).string();

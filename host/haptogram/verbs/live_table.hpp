@@ -7,16 +7,13 @@
 
 namespace haptogram {
 
-/// A key of a project's table [live], and its value: as the file has it, as a command line has its parts, and where it
-/// stands.
+/// A key of a project's table [live], which is an option of `haptogram live` with _ for -, and its value: as the file has
+/// it, as a command line has its parts, and where it stands. `haptogram live` knows which keys there are.
 struct LiveSetting {
     std::string key, toml;
     std::vector<std::string> parts;
     std::string where;
 };
-
-/// The keys of that table: the options of `haptogram live` by their names, with _ for -.
-[[nodiscard]] std::span<const std::string_view> live_keys();
 
 /// That table of a project file, a bundle, or a TOML file that has nothing else.
 /// @throws Error{bad_input} naming the file, the line and the key, also for a file without that table
