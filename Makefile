@@ -104,12 +104,13 @@ flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; 
 	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
 
-# Every command before a board that lies, and random command lines over every source and verb, RUNS=300.
+# Every command before a board that lies, `serve` before clients that do, and random command lines over every source and verb, RUNS=300.
 sanitize: ## the program, and the C examples, under address and undefined-behaviour sanitizers, half an hour; not part of `make test`
 	@$(call configure,dev)
 	@cmake --build --preset dev --target haptogram haptogram_c
 	@HAPTOGRAM_LIBRARY=$(CURDIR)/build/dev/host/c/libhaptogram.so HAPTOGRAM_CFLAGS=-fsanitize=address,undefined $(PYTHON) -m pytest -q -p no:cacheprovider tests/c -k examples
 	@HAPTOGRAM_PROGRAM=$(CURDIR)/build/dev/host/cli/haptogram HAPTOGRAM_SLOWER=4 $(PYTHON) -m pytest -q -p no:cacheprovider tests/torture -k program
+	@HAPTOGRAM_PROGRAM=$(CURDIR)/build/dev/host/cli/haptogram HAPTOGRAM_SLOWER=4 $(PYTHON) -m pytest -q -p no:cacheprovider -m 'not real_time' tests/serve
 	@$(PYTHON) tests/fuzz/command_lines.py --program build/dev/host/cli/haptogram --runs $(or $(RUNS),300) --seed $(or $(SEED),1)
 
 soak: build ## torture of the link, boards on one wire, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target

@@ -43,9 +43,9 @@ def unread(*args, folder, **more):
             os.close(end)
 
 
-def full(end):
-    """Whether a pipe of a page has hardly room left."""
-    return int.from_bytes(fcntl.ioctl(end, 0x541B, bytes(4)), "little") > 3000  # FIONREAD
+def waiting(end):
+    """Bytes that wait to be read there."""
+    return int.from_bytes(fcntl.ioctl(end, 0x541B, bytes(4)), "little")  # FIONREAD
 
 
 def test_a_session_whose_scene_nobody_reads_ends_in_time(tmp_path):
@@ -55,7 +55,7 @@ def test_a_session_whose_scene_nobody_reads_ends_in_time(tmp_path):
 
 def test_a_session_whose_scene_nobody_reads_ends_at_ctrl_c(tmp_path):
     with unread(*LIVE, "--seconds", 10000, "--scene", "-", folder=tmp_path) as (process, ends):
-        until(lambda: full(ends[0]), "a full pipe")
+        until(lambda: waiting(ends[0]) > 1000, "lines")
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE_S) in (0, 1)
 
@@ -70,7 +70,7 @@ def test_triggers_whose_warnings_nobody_reads(tmp_path, last):
             with contextlib.suppress(BrokenPipeError):
                 process.stdin.write(b"nothing of that\n" * 1000 + b"a\n")
                 process.stdin.flush()
-            until(lambda: full(ends[1]), "a full pipe")
+            until(lambda: waiting(ends[1]) > 3000, "a full pipe")
             if last == "end":
                 process.stdin.close()
             else:

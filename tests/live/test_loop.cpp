@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "../refusal.hpp"
+#include "../soak.hpp"
 #include "../virtual_clock.hpp"
 #include "../virtual_line.hpp"
-#include "../soak.hpp"
 #include "bench.hpp"
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/recording.hpp"
@@ -518,7 +518,7 @@ TEST_CASE("live: rings by the thousand are replaced, and no turn at the pins has
     });
     bench.client.set_watchdog(500);
     bench.client.enable();
-    const std::uint64_t rings = soaked(10'000, 1'500);
+    const std::uint64_t rings = test::soaked(10'000, 1'500);
     while (made < rings) {
         if (!player.sending() && player.sent().size() == made) {
             const Path ring = ring_of(++made);

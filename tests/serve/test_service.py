@@ -54,9 +54,9 @@ def free_port():
 
 
 class Service:
-    def __init__(self, *options, stderr=subprocess.DEVNULL):
+    def __init__(self, *options, port="reference:tile-100-wide", stderr=subprocess.DEVNULL):
         self.osc_port = free_port()
-        self.process = subprocess.Popen([PROGRAM, "serve", "--port", "reference:tile-100-wide", "--osc", str(self.osc_port), "--json", *options],
+        self.process = subprocess.Popen([PROGRAM, "serve", "--port", port, "--osc", str(self.osc_port), "--json", *options],
                                         stdout=subprocess.PIPE, stderr=stderr, text=True)
         said = json.loads(self.process.stdout.readline())
         self.address, self.token = said["address"], said["token"]
@@ -266,6 +266,28 @@ def test_a_stranger_does_not_keep_alive_what_a_dead_osc_sender_played(service):
         finally:
             over.set()
             sender.join()
+
+
+def test_what_a_board_that_is_away_is_asked_for_keeps_nobody_waiting(tmp_path):
+    """Each play would wait for the board for 3 s: twenty of them for a minute."""
+    board = subprocess.Popen([PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", tmp_path / "port"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    try:
+        until((tmp_path / "port").exists, "a port")
+        service = Service(port=str(tmp_path / "port"))
+        client = service.client()
+        client.until(connected=True)
+    finally:
+        board.kill()
+        board.communicate()
+    client.until(connected=False)
+    for _ in range(20):
+        service.osc("/haptogram/play")
+    begun = time.monotonic()
+    for _ in range(5):
+        client.ok("status")
+    client.ok("stop")
+    assert time.monotonic() - begun < 30
+    service.end()
 
 
 def test_a_hung_client_that_drives_has_gone(service):

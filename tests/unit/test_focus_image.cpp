@@ -228,8 +228,10 @@ TEST_CASE("focus image: what does not fit a board is named", "[foci]") {
     Image timed;
     timed.channels = wide().parameters.channels;
     timed.clock_hz = wide().parameters.clock_hz;
+    timed.timing_bits = wide().parameters.timing_bits;
     for (const std::uint32_t cycle : {2048U, 2049U, 3071U, 3072U}) {  // 2^11 + 1 to 2^11 + 2^10 − 1 play silence
-        timed.records.assign(1, Record{.cycle_length = cycle, .prescaler = 1, .pulse_length = 100});
+        timed.records.assign(
+            1, Record{cycle, 1, 100, std::vector<std::uint16_t>(timed.channels), interface::Kind::timings});
         INFO(cycle << " ticks");
         if (cycle == 2048U || cycle == 3072U)
             CHECK_NOTHROW(require_fits(timed, wide().parameters, "i"));
