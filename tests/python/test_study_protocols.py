@@ -5,6 +5,7 @@ import hashlib
 import itertools
 import re
 import tomllib
+from dataclasses import replace
 
 import pytest
 from haptogram import HaptogramError
@@ -100,6 +101,10 @@ MISTAKES = [
     ("line = [1, 9]", "line = [-1, 9]"),
     ("[simulated.answer]", "[simulated.reply]"),
     ("[order]", "[order"),
+    ("[order]", '[[fitted]]\nname = "points"\nvalues = []\n[order]'),
+    ("[order]", '[[fitted]]\nname = "points"\nvalues = [200, 200]\n[order]'),
+    ("[order]", '[[fitted]]\nname = "shape"\nvalues = [200]\n[order]'),
+    ("speed_mm_s = 100", 'speed_mm_s = 100, step_mm = "{points}"'),
 ]
 
 
@@ -150,7 +155,7 @@ def test_the_papers_protocols():
         assert [c.number for c in made] == list(range(1, p.trials + 1))
         for cell in made[:: max(len(made) // 8, 1)]:
             level = p.staircase.starts_db[cell.start] if p.staircase else None
-            described = stimulus.describe(p.stimulus, protocol.places(p, cell.levels, cell.drawn, level), name)
+            described = stimulus.describe(p.stimulus, protocol.places(p, cell.levels, cell.drawn, level) | p.fits()[0], name)
             assert "{" not in str(described["text"]) and "{" not in str(described.get("compile"))
 
 
@@ -213,6 +218,12 @@ def test_paths(tmp_path):
     p = protocol.read(written(tmp_path, SMALL.replace("speed_mm_s = 100", "speed_mm_s = 100, square_hz = 10, intensity = 0.5")))
     rows = stimulus.path_rows(p.stimulus.path, {"place.x_mm": 20}, "x")
     assert rows == [(0, 0, 0, 130, 0.5), (50, 0, 0, 130, 0), (100, 10, 0, 130, 0.5), (150, 10, 0, 130, 0)]
+    # It stays for two periods of 10 mm each.
+    p = protocol.read(written(tmp_path, SMALL.replace("speed_mm_s = 100", "speed_mm_s = 100, square_hz = 10, step_mm = 20").replace("x_mm = 20", "x_mm = 40")))
+    assert [row[1] for row in stimulus.path_rows(p.stimulus.path, {"place.x_mm": 40}, "x")] == [0, 0, 0, 0, 20, 20, 20, 20]
+    for step in (-1, "far"):
+        with refusal(HaptogramError):
+            stimulus.path_rows(replace(p.stimulus.path, step_mm=step), {"place.x_mm": 40}, "x")
     for value in ("far", "nan"):
         with refusal(HaptogramError):
             stimulus.path_rows(p.stimulus.path, {"place.x_mm": value}, "x")
