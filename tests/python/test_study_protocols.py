@@ -105,6 +105,8 @@ MISTAKES = [
     ("[order]", '[[fitted]]\nname = "points"\nvalues = [200, 200]\n[order]'),
     ("[order]", '[[fitted]]\nname = "shape"\nvalues = [200]\n[order]'),
     ("speed_mm_s = 100", 'speed_mm_s = 100, step_mm = "{points}"'),
+    ('compile = ["--rate", "10"]', 'compile = ["--rate", "10"]\nmovement = ["circle"]'),
+    ('compile = ["--rate", "10"]', 'movement = ["circle", "--board", "x"]'),
 ]
 
 
@@ -146,7 +148,7 @@ def test_hostile_files(tmp_path):
 def test_the_papers_protocols():
     found = {name: protocol.read(path) for name, path in protocol.shipped().items()}
     assert {p.source.split(",")[0] for p in found.values()} == {"Haptogram", "Hoshi", "Shapes", "Fingers", "Multimodal"}
-    trials = {"haptogram_shapes": (15, 24), "hoshi_direction": (6, 40), "hoshi_positioning": (8, 16), "fingers_surface": (11, 40), "fingers_lift_visible": (10, 75),
+    trials = {"haptogram_shapes": (15, 24), "hoshi_direction": (6, 40), "hoshi_positioning": (8, 16), "hoshi_movements": (8, 20), "fingers_surface": (11, 40), "fingers_lift_visible": (10, 75),
               "fingers_lift_hidden": (10, 50), "multimodal_magnitude": (16, 96), "multimodal_placing": (9, 3), "shapes_comparison": (16, 6)}  # fmt: skip
     for name, p in found.items():
         assert p.name == name and p.analyses and p.simulated and p.choices

@@ -142,23 +142,24 @@ def run_command(options: argparse.Namespace) -> int:
             say(f"{options.output}: its last line was not complete; it is now in {file.moved}, and its trial is asked again")
         file.require_same(protocol=protocol.name, protocol_sha256=protocol.sha256, participant=options.participant, seed=options.seed, observer=observer.name)
         with contextlib.closing(_presenter(options, protocol)) as presenter:
-            presenter.fit(design.stimuli(protocol, options.participant, options.seed))
-            file.require_same(made_for=presenter.made_for)
-            mark = _marking(options, protocol)
-            if not options.ports:
-                say("no --port was given: no stimulus is played")
-            if file.before:
-                say(f"{options.output}: goes on after {len(file.before)} records")
-            elif observer.waits:
-                for text in (protocol.title, *protocol.instructions):
-                    observer.tell(text)
-            session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=file.before, versions=_versions(presenter),
-                              mark=mark)  # fmt: skip
+            session = None
             try:
                 signal.signal(signal.SIGTERM, _end)
+                presenter.fit(design.stimuli(protocol, options.participant, options.seed))
+                file.require_same(made_for=presenter.made_for)
+                mark = _marking(options, protocol)
+                if not options.ports:
+                    say("no --port was given: no stimulus is played")
+                if file.before:
+                    say(f"{options.output}: goes on after {len(file.before)} records")
+                elif observer.waits:
+                    for text in (protocol.title, *protocol.instructions):
+                        observer.tell(text)
+                session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=file.before,
+                                  versions=_versions(presenter), mark=mark)  # fmt: skip
                 session.run()
             except (Stopped, KeyboardInterrupt):
-                say(f"{options.output}: stopped after {session.asked} more answers; the same command goes on with it")
+                say(f"{options.output}: stopped after {session.asked if session else 0} more answers; the same command goes on with it")
                 return NOT_FINISHED
     say(f"{options.output}: complete, {session.asked} new answers")
     return 0

@@ -24,6 +24,7 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 TERM = re.compile(r"(.+?)(?:\*(\d+(?:\.\d+)?))?([+-]\d+(?:\.\d+)?)?")  # of a number: {edge_mm*0.5+100}
 RUNNERS = {"compile": ("-o", "--output", "--manifest", "--json", "--path", "--save-path", "--readmemh"),
+           "movement": ("-o", "--output", "--json", "--array", "--board"),
            "live": ("--from", "--port", "--baud", "--settings", "--json")}  # options that the runner adds
 ORDERS = ("fixed", "random", "latin-square")
 WITHIN = (*ORDERS, "independent")
@@ -115,6 +116,7 @@ class Stimulus:
     compile: tuple[str, ...]  # arguments of `haptogram compile`; none: it is live, or another apparatus presents it
     live: tuple[tuple[str, ...], ...]  # arguments of `haptogram live`, for a tracked hand; of each array, when several stand side by side
     path: PathPlan | None
+    movement: tuple[str, ...]  # arguments of `haptogram movement`, whose path is compiled
     array: str
 
 
@@ -457,13 +459,17 @@ def _stimulus(table: Table, known: set[str]) -> Stimulus:
         if len(points) == 1 and not path.hold_s:
             path_table.fail("hold_s", path.hold_s, "how long the single point is held, s > 0")
         path_table.done()
-        if not words:
-            table.fail("path", "a path", "also `compile`, the arguments that play it")
+    movement = _arguments(table, "movement", table.list("movement", [], of=str, expected="a list of arguments of 'haptogram movement'"), known)
+    for key, given in (("path", path), ("movement", movement)):
+        if given and not words:
+            table.fail(key, key, "also `compile`, the arguments that play it")
+    if path and movement:
+        table.fail("movement", movement, "either `path` or `movement`")
     array = table.text("array", "")
     table.done()
     if array and live:
         table.fail("array", array, "no array beside `live`; give it there, as --array")
-    return Stimulus(text, words, live, path, array)
+    return Stimulus(text, words, live, path, movement, array)
 
 
 def _question(table: Table, factors: tuple[Factor, ...], known: set[str]) -> Question:

@@ -27,7 +27,7 @@ from .protocol import PathPlan, Protocol, Stimulus, Value, canonical, fill, name
 
 MOST_ROWS = 100_000
 MOST_CLOCKS = 200
-IMAGES_ARE_OF = ("compile", "path", "array", "board")  # what of a description decides an image
+IMAGES_ARE_OF = ("compile", "path", "movement", "array", "board")  # what of a description decides an image
 
 
 def _number(value: Value, values: Mapping[str, object], where: str) -> float:
@@ -92,6 +92,8 @@ def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> di
         found["compile"] = [fill(word, values) for word in stimulus.compile]
     if stimulus.live:
         found["live"] = [[fill(word, values) for word in words] for words in stimulus.live]
+    if stimulus.movement:
+        found["movement"] = [fill(word, values) for word in stimulus.movement]
     if stimulus.path:
         found["path"] = path_rows(stimulus.path, values, where)
     if stimulus.array:
@@ -103,7 +105,7 @@ def used_places(stimulus: Stimulus, known: Container[str]) -> set[str]:
     """Names of the placeholders that a stimulus depends on."""
     path = stimulus.path
     numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity, path.square_hz] if path else []
-    texts = (stimulus.text, *stimulus.compile, *(word for words in stimulus.live for word in words), *(v for v in numbers if isinstance(v, str)))
+    texts = (stimulus.text, *stimulus.compile, *stimulus.movement, *(word for words in stimulus.live for word in words), *(v for v in numbers if isinstance(v, str)))
     return {name for text in texts for name in names_in(text, known)}
 
 
@@ -213,14 +215,18 @@ class Compiler(Presenter):
 
     def _make(self, name: str, description: dict[str, object]) -> dict[str, object]:
         image, words = self._folder / f"{name}.hex", [str(w) for w in description["compile"]]  # type: ignore[attr-defined]
+        made_for = [word for option in ("array", "board") if option in description for word in (f"--{option}", str(description[option]))]
         rows = description.get("path")
         if isinstance(rows, list):
             path = self._folder / f"{name}.csv"
             path.write_text("time_ms,x_mm,y_mm,z_mm,intensity\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows), encoding="utf-8")
             words += ["--path", str(path)]
-        for option in ("array", "board"):
-            if option in description:
-                words += [f"--{option}", str(description[option])]
+        if "movement" in description:
+            path = self._folder / f"{name}.path.json"
+            moves = [str(w) for w in description["movement"]]  # type: ignore[attr-defined]
+            programs.ask(self.program, ["movement", *moves, *made_for, "-o", str(path)], f"{self.protocol.path}: stimulus")
+            words += ["--path", str(path)]
+        words += made_for
         before = image.read_bytes() if image.exists() else None  # files that a stimulus names may have been others then
         programs.ask(self.program, ["compile", *words, "-o", str(image)], f"{self.protocol.path}: stimulus")
         if before not in (None, image.read_bytes()):
