@@ -137,6 +137,14 @@ def test_which_protocols_a_board_plays(tmp_path):
     assert lines["haptogram_shapes"].endswith(f"fit {HX8K}, with points = 64") and all(f"{name}: cannot be played on {HX8K}" in said.stderr for name in HOSHIS)
 
 
+def test_a_program_that_is_none(tmp_path):
+    (tmp_path / "program").write_bytes(b"\x7fELF")
+    (tmp_path / "program").chmod(0o755)
+    said = run(asked("haptogram_shapes", [], "--images", "made", "--program", tmp_path / "program"), tmp_path)
+    assert said.returncode == BAD_INPUT and said.stderr.startswith(f"haptogram-study: haptogram_shapes: cannot be played: {tmp_path / 'program'}: cannot be started"), said.stderr
+    program_said(BAD_INPUT, said.stderr)
+
+
 def test_stimuli_of_different_boards_do_not_mix(tmp_path):
     p = SHIPPED["haptogram_shapes"]
     for number, board in ((2, HX8K), (3, WIDE)):
