@@ -62,14 +62,14 @@ class Board:
         self.process.communicate()
         self._reader.join()
         os.close(self._terminal)
-        return self._shown.decode()
+        return self._shown.decode(errors="replace")
 
     def now(self):
         """Simulated seconds, the record that plays, whether outputs are on: by a line that was not there before the question."""
         before = self._lines
         until(lambda: self._lines > before or self.process.poll() is not None, "a new line of the board")
-        assert self.process.poll() is None, f"the board has ended: {self._shown.decode()}"
-        simulated_s, record, outputs, _ = self.LINE.findall(self._shown.decode())[-1]
+        assert self.process.poll() is None, f"the board has ended: {self._shown.decode('utf-8', 'replace')}"
+        simulated_s, record, outputs, _ = self.LINE.findall(self._shown.decode(errors="replace"))[-1]
         return float(simulated_s), int(record), outputs == "on"
 
     def until(self, outputs, record=None):

@@ -150,9 +150,9 @@ class Client:
         """Seconds until the board must be asked something again inside of outputs(), which keeps its watchdog quiet."""
         return self._session.rest()
 
-    def rest(self) -> None:
-        """Sleeps until then."""
-        time.sleep(self.until_next())
+    def rest(self, pause: Callable[[float], object] = time.sleep) -> None:
+        """Sleeps until then, or as `pause` does, which is told the seconds and may end early."""
+        pause(self.until_next())
 
     def keep_alive(self) -> None:
         """Starts the watchdog's time anew and does nothing else."""

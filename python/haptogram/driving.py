@@ -68,11 +68,11 @@ def _nothing() -> None: ...
 
 
 def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500, on_trigger: bool = False,
-         stopped: Callable[[], bool] = never, started: Callable[[], None] = _nothing) -> Outcome:  # fmt: skip
+         stopped: Callable[[], bool] = never, started: Callable[[], None] = _nothing, pause: Callable[[float], object] = time.sleep) -> Outcome:  # fmt: skip
     """Plays one record, or with index 0 the sequence, `loops` times (0 for ever; None as its header says), until its end,
     for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off.
     With `on_trigger` the sequence waits, with outputs on and silent, until the trigger input says so. Calls `started` when the
-    board has said that it plays; the seconds begin then."""
+    board has said that it plays; the seconds begin then. `pause` sleeps between two looks at `stopped`, and may end early."""
     if on_trigger and index:
         raise bad_input("on_trigger", "one record cannot wait for a trigger; the sequence can")
     length = 0 if index else board.sequence_length()
@@ -90,7 +90,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
             started()
         end = time.monotonic() + seconds
         while not stopped() and (waits or not (seconds and time.monotonic() >= end)):
-            board.rest()
+            board.rest(pause)
             now = _watch(board, before)
             if waits and not now.waiting:
                 waits, end = False, time.monotonic() + seconds

@@ -5,6 +5,7 @@ import hashlib
 import itertools
 import re
 import tomllib
+from dataclasses import replace
 
 import pytest
 from haptogram import HaptogramError
@@ -100,6 +101,12 @@ MISTAKES = [
     ("line = [1, 9]", "line = [-1, 9]"),
     ("[simulated.answer]", "[simulated.reply]"),
     ("[order]", "[order"),
+    ("[order]", '[[fitted]]\nname = "points"\nvalues = []\n[order]'),
+    ("[order]", '[[fitted]]\nname = "points"\nvalues = [200, 200]\n[order]'),
+    ("[order]", '[[fitted]]\nname = "shape"\nvalues = [200]\n[order]'),
+    ("speed_mm_s = 100", 'speed_mm_s = 100, step_mm = "{points}"'),
+    ('compile = ["--rate", "10"]', 'compile = ["--rate", "10"]\nmovement = ["circle"]'),
+    ('compile = ["--rate", "10"]', 'movement = ["circle", "--board", "x"]'),
 ]
 
 
@@ -141,7 +148,7 @@ def test_hostile_files(tmp_path):
 def test_the_papers_protocols():
     found = {name: protocol.read(path) for name, path in protocol.shipped().items()}
     assert {p.source.split(",")[0] for p in found.values()} == {"Haptogram", "Hoshi", "Shapes", "Fingers", "Multimodal"}
-    trials = {"haptogram_shapes": (15, 24), "hoshi_direction": (6, 40), "hoshi_positioning": (8, 16), "fingers_surface": (11, 40), "fingers_lift_visible": (10, 75),
+    trials = {"haptogram_shapes": (15, 24), "hoshi_direction": (6, 40), "hoshi_positioning": (8, 16), "hoshi_movements": (8, 20), "fingers_surface": (11, 40), "fingers_lift_visible": (10, 75),
               "fingers_lift_hidden": (10, 50), "multimodal_magnitude": (16, 96), "multimodal_placing": (9, 3), "shapes_comparison": (16, 6)}  # fmt: skip
     for name, p in found.items():
         assert p.name == name and p.analyses and p.simulated and p.choices
@@ -150,7 +157,7 @@ def test_the_papers_protocols():
         assert [c.number for c in made] == list(range(1, p.trials + 1))
         for cell in made[:: max(len(made) // 8, 1)]:
             level = p.staircase.starts_db[cell.start] if p.staircase else None
-            described = stimulus.describe(p.stimulus, protocol.places(p, cell.levels, cell.drawn, level), name)
+            described = stimulus.describe(p.stimulus, protocol.places(p, cell.levels, cell.drawn, level) | p.fits()[0], name)
             assert "{" not in str(described["text"]) and "{" not in str(described.get("compile"))
 
 
@@ -213,6 +220,12 @@ def test_paths(tmp_path):
     p = protocol.read(written(tmp_path, SMALL.replace("speed_mm_s = 100", "speed_mm_s = 100, square_hz = 10, intensity = 0.5")))
     rows = stimulus.path_rows(p.stimulus.path, {"place.x_mm": 20}, "x")
     assert rows == [(0, 0, 0, 130, 0.5), (50, 0, 0, 130, 0), (100, 10, 0, 130, 0.5), (150, 10, 0, 130, 0)]
+    # It stays for two periods of 10 mm each.
+    p = protocol.read(written(tmp_path, SMALL.replace("speed_mm_s = 100", "speed_mm_s = 100, square_hz = 10, step_mm = 20").replace("x_mm = 20", "x_mm = 40")))
+    assert [row[1] for row in stimulus.path_rows(p.stimulus.path, {"place.x_mm": 40}, "x")] == [0, 0, 0, 0, 20, 20, 20, 20]
+    for step in (-1, "far"):
+        with refusal(HaptogramError):
+            stimulus.path_rows(replace(p.stimulus.path, step_mm=step), {"place.x_mm": 40}, "x")
     for value in ("far", "nan"):
         with refusal(HaptogramError):
             stimulus.path_rows(p.stimulus.path, {"place.x_mm": value}, "x")

@@ -434,8 +434,9 @@ def test_sets_are_a_factor(place):
         if record["set"] == 2 and dice.random() < 0.4:
             answer |= {"value": record["factors"]["shape"], "correct": True, "seconds": 0.5 * answer["seconds"]}
     found = {one.name: one for one in analysis.study(p, given).found}
-    for name, key in (("right answers from session to session", "correct"), ("time from session to session", "seconds")):
-        people = [[np.mean([r["answers"]["answer"][key] for _, r in given if r["participant"] == who and r["set"] == number]) for number in (1, 2)] for who in range(1, 16)]
+    for name, key in (("right answers from session to session", "correct"), ("recognition time from session to session", "seconds")):
+        counts = [(r["participant"], r["set"], r["answers"]["answer"][key]) for _, r in given if key == "correct" or r["answers"]["answer"]["correct"]]
+        people = [[np.mean([value for who, number, value in counts if (who, number) == (person, one)]) for one in (1, 2)] for person in range(1, 16)]
         changes = np.array([first - second for first, second in people])
         t = changes.mean() / (changes.std(ddof=1) / math.sqrt(15))
         numbers = found[name].numbers
@@ -443,6 +444,9 @@ def test_sets_are_a_factor(place):
         assert numbers["mean"] == pytest.approx({"set 1": np.mean(people, 0)[0], "set 2": np.mean(people, 0)[1]})
         assert numbers["effect"]["set 1 − set 2"]["difference"]["value"] == pytest.approx(changes.mean())
         assert found[name].paper.endswith("no test")
+    times = [r["answers"]["answer"]["seconds"] for _, r in given if r["answers"]["answer"]["correct"]]
+    assert found["recognition time, of correct answers"].numbers == pytest.approx({"mean": np.mean(times), "sd": np.std(times, ddof=1), "n": len(times)})
+    assert len(times) < len(given) and "time of all answers" in found
     # Two and more sets, thresholds, and one set alone.
     text = SMALL.replace("sets = 2", "sets = 3").replace("[simulated.answer]", "".join(
         f'[[analysis]]\nname = "{test}"\ntest = "{test}"\nof = "answer.correct"\nby = "set"\n' for test in ("rm-anova", "anova", "friedman", "wilcoxon")) + """

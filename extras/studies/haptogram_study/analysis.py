@@ -52,7 +52,7 @@ def _answered(question: Question, answer: dict[str, Any]) -> dict[str, Any]:
     if "correct" in answer:
         if not isinstance(answer["correct"], bool):
             raise ValueError(f"{name}.correct is {str(answer['correct'])[:40]!r}")
-        found[f"{name}.correct"] = answer["correct"]
+        found |= {f"{name}.correct": answer["correct"], f"{name}.seconds_of_correct": found[f"{name}.seconds"] if answer["correct"] else None}
     if "error" in answer:
         found[f"{name}.error"] = _finite(answer["error"])
         found[f"{name}.absolute_error"] = abs(found[f"{name}.error"])
@@ -60,8 +60,8 @@ def _answered(question: Question, answer: dict[str, Any]) -> dict[str, Any]:
 
 
 def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataFrame:
-    """A row a record. Columns: participant, kind, set, factors and drawn numbers, and of each question its answer, `.seconds`, `.correct`, `.error`,
-    `.absolute_error`. Records of another protocol, and two of the same trial, are errors."""
+    """A row a record. Columns: participant, kind, set, factors and drawn numbers, and of each question its answer, `.seconds`, `.correct`,
+    `.seconds_of_correct`, `.error`, `.absolute_error`. Records of another protocol, and two of the same trial, are errors."""
     rows: list[dict[str, Any]] = []
     seen: dict[tuple[object, ...], str] = {}
     for where, record in records:

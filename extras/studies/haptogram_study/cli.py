@@ -2,11 +2,12 @@
 """The commands of `python3 -m haptogram_study`. Messages are `haptogram-study: where: message` on stderr."""
 import argparse
 import atexit
+import contextlib
 import json
 import platform
 import signal
-import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,13 +16,13 @@ from haptogram.cli import Parser, whole
 from haptogram.errors import ErrorCode, HaptogramError, bad_input
 from haptogram.markers import Markers, no_mark
 from haptogram.program import exit_code_of
+from . import design, program, results, touching
 from . import protocol as protocols
-from . import results, touching
 from .asking import Keyboard, Observer, Page, Stopped
 from .observers import read_protocol, simulated
 from .protocol import Protocol
 from .session import Session
-from .stimulus import Board, Compiler, Live, Presenter, program
+from .stimulus import Board, Compiler, Live, MadeFor, Presenter
 
 NOT_FINISHED = 1
 
@@ -50,12 +51,31 @@ def list_command(options: argparse.Namespace) -> int:
     return 0
 
 
+def _made_for(options: argparse.Namespace) -> MadeFor:
+    return MadeFor(options.board or "", options.array or "")
+
+
+def _plays(protocol: Protocol, made_for: MadeFor, given: str | None) -> str:
+    """What a board that has been named plays of it. Raises HaptogramError when it cannot."""
+    if made_for == MadeFor():
+        return ""
+    if protocol.stimulus.live:
+        return "; a hand is followed as fast as the board's line allows: run says so at its port"
+    if not protocol.stimulus.compile:
+        return "; needs no board"
+    with tempfile.TemporaryDirectory() as folder:
+        made = Compiler(protocol, made_for, Path(folder), program.find(given))
+        made.fit(design.stimuli(protocol, 1, 1))
+    return f"; its stimuli fit {' '.join(filter(None, (made_for.board, made_for.array)))}" + "".join(f", with {name} = {value}" for name, value in made.fitted.items())
+
+
 def check_command(options: argparse.Namespace) -> int:
     bad = 0
-    for name in options.protocols:
+    for name in options.protocols or protocols.shipped():
         try:
             found = read_protocol(protocols.find(name))
-            print(f"{name}: good: {found.trials} {'runs' if found.staircase else 'trials'} a participant, {len(found.questions)} questions, {len(found.analyses)} analyses")
+            plays = _plays(found, _made_for(options), options.program)
+            print(f"{name}: good: {found.trials} {'runs' if found.staircase else 'trials'} a participant, {len(found.questions)} questions, {len(found.analyses)} analyses{plays}")
         except HaptogramError as error:
             say(str(error))
             bad += 1
@@ -65,24 +85,26 @@ def check_command(options: argparse.Namespace) -> int:
 def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
     if options.on_trigger and (protocol.stimulus.live or not options.ports):
         raise bad_input("--on-trigger", f"a board begins an image when its trigger input says so; {protocol.name} has live stimuli, or no --port was given")
+    made_for = _made_for(options)
     if protocol.stimulus.live and options.ports:
-        return Live(protocol, program(options.program), options.ports, options.baud, options.sources)
+        return Live(protocol, made_for, program.find(options.program), options.ports, options.baud, options.sources)
     if options.sources:
         raise bad_input("--from", f"{protocol.name} has no live stimuli, or no --port was given to play them on")
     if len(options.ports) > 1:
         raise bad_input("--port", f"is given {len(options.ports)} times; the stimuli of {protocol.name} are for one board")
     if options.ports:
-        return Board(protocol, Path(options.images or "study-images"), program(options.program), options.ports[0], options.baud, options.on_trigger)
+        return Board(protocol, made_for, Path(options.images or "study-images"), program.find(options.program), options.ports[0], options.baud, options.on_trigger)
     if options.images:
-        return Compiler(protocol, Path(options.images), program(options.program))
+        return Compiler(protocol, made_for, Path(options.images), program.find(options.program))
+    if made_for != MadeFor():
+        raise bad_input("--board" if made_for.board else "--array", "is what stimuli are made for, and none is made; give --port, or --images")
     return Presenter(protocol)
 
 
 def _versions(presenter: Presenter) -> dict[str, str]:
     found = {"haptogram-py": __version__, "python": platform.python_version()}
     if isinstance(presenter, Compiler | Live):
-        said = subprocess.run([presenter.program, "--version"], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
-        found["haptogram"] = said.stdout.strip().removeprefix("haptogram ")
+        found["haptogram"] = program.ask(presenter.program, ["--version"], presenter.program).strip().removeprefix("haptogram ")
     return found
 
 
@@ -92,7 +114,7 @@ def _observer(options: argparse.Namespace, protocol: Protocol) -> Observer:
     if options.observer == "page":
         return Page(protocol.trials)
     if options.observer == touching.NAME:
-        return touching.Hand(protocol, program(options.program))
+        return touching.Hand(protocol, program.find(options.program))
     return simulated(protocol, options.observer)
 
 
@@ -118,27 +140,27 @@ def run_command(options: argparse.Namespace) -> int:
     with results.ResultsFile(Path(options.output)) as file:
         if file.moved:
             say(f"{options.output}: its last line was not complete; it is now in {file.moved}, and its trial is asked again")
-        same = list(file.same_session(protocol=protocol.name, protocol_sha256=protocol.sha256, participant=options.participant, seed=options.seed,
-                                      observer=observer.name))  # fmt: skip
-        mark = _marking(options, protocol)
-        presenter = _presenter(options, protocol)
-        if not options.ports:
-            say("no --port was given: no stimulus is played")
-        if same:
-            say(f"{options.output}: goes on after {len(same)} records")
-        elif observer.waits:
-            for text in (protocol.title, *protocol.instructions):
-                observer.tell(text)
-        session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=same, versions=_versions(presenter),
-                          mark=mark)  # fmt: skip
-        try:
-            signal.signal(signal.SIGTERM, _end)
-            session.run()
-        except (Stopped, KeyboardInterrupt):
-            say(f"{options.output}: stopped after {session.asked} more answers; the same command goes on with it")
-            return NOT_FINISHED
-        finally:
-            presenter.close()
+        file.require_same(protocol=protocol.name, protocol_sha256=protocol.sha256, participant=options.participant, seed=options.seed, observer=observer.name)
+        with contextlib.closing(_presenter(options, protocol)) as presenter:
+            session = None
+            try:
+                signal.signal(signal.SIGTERM, _end)
+                presenter.fit(design.stimuli(protocol, options.participant, options.seed))
+                file.require_same(made_for=presenter.made_for)
+                mark = _marking(options, protocol)
+                if not options.ports:
+                    say("no --port was given: no stimulus is played")
+                if file.before:
+                    say(f"{options.output}: goes on after {len(file.before)} records")
+                elif observer.waits:
+                    for text in (protocol.title, *protocol.instructions):
+                        observer.tell(text)
+                session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=file.before,
+                                  versions=_versions(presenter), mark=mark)  # fmt: skip
+                session.run()
+            except (Stopped, KeyboardInterrupt):
+                say(f"{options.output}: stopped after {session.asked if session else 0} more answers; the same command goes on with it")
+                return NOT_FINISHED
     say(f"{options.output}: complete, {session.asked} new answers")
     return 0
 
@@ -213,11 +235,17 @@ def parser() -> Parser:
     def json_option(command: Parser) -> None:
         command.add_argument("--json", action="store_true", help="print as JSON")
 
+    def made_for_options(command: Parser, board: str) -> None:
+        command.add_argument("--board", help=board)
+        command.add_argument("--array", help="the array, instead of the protocol's or the board's; the results of run say so")
+        command.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")
+
     listing = add("list", list_command, "print the shipped protocols, and those of a folder")
     listing.add_argument("--folder", help="also the protocols of this folder")
     json_option(listing)
     check = add("check", check_command, "say whether protocols make sense")
-    check.add_argument("protocols", nargs="+", metavar="PROTOCOL", help="file, or name of a shipped protocol")
+    check.add_argument("protocols", nargs="*", metavar="PROTOCOL", help="file, or name of a shipped protocol (default: all of those)")
+    made_for_options(check, "also whether its stimuli fit this board, as haptogram compile has it")
     run = add("run", run_command, "run a participant's session, or go on with it")
     run.add_argument("protocol", help="file, or name of a shipped protocol")
     run.add_argument("--participant", type=whole(1, 100_000), required=True, help="number of the participant, from 1; it decides the orders")
@@ -225,12 +253,12 @@ def parser() -> Parser:
     run.add_argument("-o", "--output", required=True, help="results, JSON lines; an unfinished session in it goes on")
     run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance, simulated:FILE.toml or simulated:hand, which touches")
     run.add_argument("--port", action="append", default=[], dest="ports", metavar="PORT", help="serial port of the board that plays the stimuli; without one nothing is played; one for each array that stands side by side with others")
+    made_for_options(run, "make the stimuli for this board, as haptogram compile has it (default: the one of the protocol's array); the results say so")
     run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
     run.add_argument("--from", action="append", default=[], dest="sources", metavar="SOURCE", help="of live stimuli, with --port: what sees the hand, as haptogram live has it; may be given again")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")
     run.add_argument("--on-trigger", action="store_true", help="each stimulus begins when the board's trigger input says so (haptogram device trigger); until then the outputs are on, and silent")
     run.add_argument("--lsl", action="store_true", help="mark starts, answers and stops on a stream of the Lab Streaming Layer (pip install 'haptogram[lsl]')")
-    run.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")
     analyse = add("analyse", analyse_command, "the statistics that a protocol asks for, of results")
     analyse.add_argument("protocol")
     analyse.add_argument("results", nargs="+", help="files of results, usually one a participant")

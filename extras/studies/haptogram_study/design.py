@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from .protocol import Level, Protocol
+from .protocol import Level, Protocol, places
 
 T = TypeVar("T")
 
@@ -60,6 +60,13 @@ def _ordered(items: Sequence[T], how: str, row: int, *what: object) -> list[T]:
     if how == "independent":
         return [items[int(chance(*what, place) * len(items))] for place in range(len(items))]
     return shuffled(items, *what)
+
+
+def stimuli(protocol: Protocol, participant: int, seed: int) -> list[dict[str, object]]:
+    """What placeholders stand for in all that a session can present: of a staircase, where it begins and its limits."""
+    rule = protocol.staircase
+    return [places(protocol, cell.levels, cell.drawn, level) for cell in cells(protocol, participant, seed)
+            for level in ((rule.starts_db[cell.start], rule.lowest_db, rule.highest_db) if rule else (None,))]  # fmt: skip
 
 
 def cells(protocol: Protocol, participant: int, seed: int) -> list[Cell]:

@@ -38,6 +38,7 @@ class Part:
 
     participant: int
     observer: str
+    made_for: str  # what its stimuli were made for, in words; "" where the protocol alone says it
     files: list[str] = field(default_factory=list)
     done: set[int] = field(default_factory=set)  # trials, or with a staircase its runs
     asked: set[tuple[str, str]] = field(default_factory=set)  # questions at the end, with the level that each is about
@@ -50,7 +51,7 @@ class Part:
 
     @property
     def kind(self) -> str:
-        return "people" if self.by_people else self.observer
+        return ("people" if self.by_people else self.observer) + (f" ({self.made_for})" if self.made_for else "")
 
     def __str__(self) -> str:
         return f"{_listed(self.files)}: participant {self.participant}"
@@ -125,7 +126,7 @@ class Origin:
             for part in self.parts:
                 kinds.setdefault(part.kind, []).extend(part.files)
             whose = "; ".join(f"{_listed(files)} of {kind}" for kind, files in kinds.items())
-            raise bad_input("results", f"found answers that do not go together ({whose}), expected those of people, or of one simulated observer; analyse them apart, "
+            raise bad_input("results", f"found answers that do not go together ({whose}), expected those of people, or of one simulated observer, to stimuli made for one board; analyse them apart, "
                             "or ask by --mixed for a mixture, which is labelled as one")  # fmt: skip
         for number, sessions in Counter(part.participant for part in self.parts).items():
             if sessions > 1:
@@ -140,9 +141,8 @@ class Origin:
     @property
     def labels(self) -> list[str]:
         """What must be said before any number."""
-        counts = Counter(part.kind for part in self.parts)
-        people = counts.pop("people", 0)
-        whose = ([f"{people} {'person' if people == 1 else 'people'}"] if people else []) + [f"{count} × {name}" for name, count in counts.items()]
+        counts = Counter(part.kind for part in sorted(self.parts, key=lambda part: not part.by_people))
+        whose = [f"{count} {name.replace('people', 'person', count == 1)}" if name.startswith("people") else f"{count} × {name}" for name, count in counts.items()]
         said = "answers of " + ", ".join(whose)
         found = [f"MIXED: {said}; no result of a study" if self.mixed else f"SIMULATED: {said}; no person was asked, this is no result" if self.simulated else said]
         if self.unfinished:
@@ -175,7 +175,10 @@ def of(protocol: Protocol, records: Sequence[tuple[str, Record]]) -> Origin:
             participant, observer, seed = int(record["participant"]), record["observer"], record["seed"]
             if not isinstance(observer, str) or not (observer in PEOPLE or observer.startswith("simulated:")):
                 raise ValueError(f"observer is {str(observer)[:40]!r}, expected {', '.join(PEOPLE)} or simulated:…")
-            _read(parts.setdefault((participant, observer, str(seed)), Part(participant, observer)), protocol, where, record)
+            told = dict(record.get("made_for", {}))
+            fitted = dict(told.pop("fitted", {}))
+            made_for = ", ".join(f"{name} {value}" for name, value in (told | fitted).items())
+            _read(parts.setdefault((participant, observer, str(seed), made_for), Part(participant, observer, made_for)), protocol, where, record)
         except BROKEN as error:
             raise incomplete(where, error) from error
     return Origin(protocol, tuple(parts.values()))

@@ -3,6 +3,7 @@
 TOML file; README.md describes its keys. The reader is strict: a message names file and key, what was found and what was expected."""
 import contextlib
 import hashlib
+import itertools
 import json
 import math
 import re
@@ -23,6 +24,7 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 TERM = re.compile(r"(.+?)(?:\*(\d+(?:\.\d+)?))?([+-]\d+(?:\.\d+)?)?")  # of a number: {edge_mm*0.5+100}
 RUNNERS = {"compile": ("-o", "--output", "--manifest", "--json", "--path", "--save-path", "--readmemh"),
+           "movement": ("-o", "--output", "--json", "--array", "--board"),
            "live": ("--from", "--port", "--baud", "--settings", "--json")}  # options that the runner adds
 ORDERS = ("fixed", "random", "latin-square")
 WITHIN = (*ORDERS, "independent")
@@ -79,6 +81,14 @@ class Lookup:
 
 
 @dataclass(frozen=True)
+class Fitted:
+    """A number that the board decides: the first of `values` with which it takes every stimulus."""
+
+    name: str
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
 class Order:
     blocked: tuple[str, ...]  # factors whose levels come one after the other
     blocks: str  # how those are ordered
@@ -90,11 +100,11 @@ class Order:
 @dataclass(frozen=True)
 class PathPlan:
     """A focus that moves along straight lines at a steady speed; numbers may be placeholders. Millimetres, seconds. With `square_hz` it is on
-    and off for half a period each, and stands still for a period."""
+    and off for half a period each, and stands still for a period, or for as many as it takes to go `step_mm`."""
 
     waypoints_mm: tuple[tuple[Value, Value, Value], ...]
     speed_mm_s: float
-    step_mm: float
+    step_mm: Value
     hold_s: float  # at the last waypoint
     intensity: Value
     square_hz: Value  # 0: always on
@@ -106,6 +116,7 @@ class Stimulus:
     compile: tuple[str, ...]  # arguments of `haptogram compile`; none: it is live, or another apparatus presents it
     live: tuple[tuple[str, ...], ...]  # arguments of `haptogram live`, for a tracked hand; of each array, when several stand side by side
     path: PathPlan | None
+    movement: tuple[str, ...]  # arguments of `haptogram movement`, whose path is compiled
     array: str
 
 
@@ -159,6 +170,7 @@ class Protocol:
     factors: tuple[Factor, ...]
     drawn: tuple[Drawn, ...]
     lookups: tuple[Lookup, ...]
+    fitted: tuple[Fitted, ...]
     order: Order
     stimulus: Stimulus
     questions: tuple[Question, ...]
@@ -172,6 +184,10 @@ class Protocol:
 
     def question(self, name: str) -> Question:
         return next(q for q in self.questions if q.name == name)
+
+    def fits(self) -> list[dict[str, Value]]:
+        """What fitted numbers may be, the preferred first."""
+        return [dict(zip((f.name for f in self.fitted), chosen)) for chosen in itertools.product(*(f.values for f in self.fitted))]
 
     def levels(self, name: str) -> tuple[Value, ...]:
         """The values of a factor, or the numbers of the sets."""
@@ -271,11 +287,14 @@ def _read(top: Table, path: Path, sha256: str) -> Protocol:
     factors = tuple(_factor(t) for t in top.tables("factor"))
     drawn = tuple(_drawn(t) for t in top.tables("drawn"))
     lookups = tuple(_lookup(t, factors) for t in top.tables("lookup"))
-    _different(top, "factor", [f.name for f in factors] + [d.name for d in drawn] + [k.name for k in lookups])
+    fitted = tuple(_fitted(t) for t in top.tables("fitted"))
+    _different(top, "factor", [f.name for f in (*factors, *drawn, *lookups, *fitted)])
     staircase_table = top.table("staircase", None)
     known = _placeholders(factors, drawn, lookups, staircase_table is not None)
     order = _order(top.table("order"), factors)
-    stimulus = _stimulus(top.table("stimulus"), known)
+    stimulus = _stimulus(top.table("stimulus"), known | {f.name for f in fitted})
+    if fitted and not stimulus.compile:
+        top.fail("fitted", fitted[0].name, "none without `compile`: what is live has nothing to fit")
     questions = tuple(_question(t, factors, known) for t in top.tables("question", least=1))
     _different(top, "question", [q.name for q in questions])
     staircase = _staircase(staircase_table, questions) if staircase_table else None
@@ -285,7 +304,7 @@ def _read(top: Table, path: Path, sha256: str) -> Protocol:
     simulated_table = top.table("simulated", None)
     simulated = simulated_table.rest() if simulated_table else {}
     top.done()
-    protocol = Protocol(path, sha256, name, title, source, participants, texts["instructions"], texts["choices"], factors, drawn, lookups, order,
+    protocol = Protocol(path, sha256, name, title, source, participants, texts["instructions"], texts["choices"], factors, drawn, lookups, fitted, order,
                         stimulus, questions, rest, staircase, analyses, simulated)  # fmt: skip
     if protocol.trials > MOST_TRIALS:
         raise bad_input(f"{path}: order", f"makes {protocol.trials} trials a participant, expected at most {MOST_TRIALS}; ask for fewer")
@@ -357,6 +376,14 @@ def _lookup(table: Table, factors: tuple[Factor, ...]) -> Lookup:
     return Lookup(name, row, column, values)
 
 
+def _fitted(table: Table) -> Fitted:
+    name = _identifier(table)
+    values = tuple(table.list("values", of=(int, float), expected="a list of numbers, the preferred one first"))
+    _different(table, "values", [str(value) for value in values])
+    table.done()
+    return Fitted(name, values)
+
+
 def _order(table: Table, factors: tuple[Factor, ...]) -> Order:
     names = [f.name for f in factors]
     blocked = tuple(table.list("blocked", [], of=str, expected="a list of factors"))
@@ -426,19 +453,23 @@ def _stimulus(table: Table, known: set[str]) -> Stimulus:
                 path_table.fail("waypoints_mm", point, "points [x, y, z]")
         waypoints = tuple(tuple(_coordinate(path_table, "waypoints_mm", v, known) for v in p) for p in points)
         speed = path_table.number("speed_mm_s", 0.0 if len(points) == 1 else tables.REQUIRED, above=0.0)
-        path = PathPlan(waypoints, speed, path_table.number("step_mm", 0.5, above=0.0), path_table.number("hold_s", 0.0, low=0.0, high=600.0),  # type: ignore[arg-type]
+        path = PathPlan(waypoints, speed, _coordinate(path_table, "step_mm", path_table.any("step_mm", 0.0), known), path_table.number("hold_s", 0.0, low=0.0, high=600.0),  # type: ignore[arg-type]
                         _coordinate(path_table, "intensity", path_table.any("intensity", 1.0), known),
                         _coordinate(path_table, "square_hz", path_table.any("square_hz", 0.0), known))  # fmt: skip
         if len(points) == 1 and not path.hold_s:
             path_table.fail("hold_s", path.hold_s, "how long the single point is held, s > 0")
         path_table.done()
-        if not words:
-            table.fail("path", "a path", "also `compile`, the arguments that play it")
+    movement = _arguments(table, "movement", table.list("movement", [], of=str, expected="a list of arguments of 'haptogram movement'"), known)
+    for key, given in (("path", path), ("movement", movement)):
+        if given and not words:
+            table.fail(key, key, "also `compile`, the arguments that play it")
+    if path and movement:
+        table.fail("movement", movement, "either `path` or `movement`")
     array = table.text("array", "")
     table.done()
     if array and live:
         table.fail("array", array, "no array beside `live`; give it there, as --array")
-    return Stimulus(text, words, live, path, array)
+    return Stimulus(text, words, live, path, movement, array)
 
 
 def _question(table: Table, factors: tuple[Factor, ...], known: set[str]) -> Question:
@@ -512,6 +543,8 @@ def columns(factors: tuple[Factor, ...], questions: tuple[Question, ...], stairc
             found[f"{q.name}.seconds"] = "number"
         if q.correct:
             found[f"{q.name}.correct"] = "correct"
+            if q.when == "trial":
+                found[f"{q.name}.seconds_of_correct"] = "number"
         if q.truth:
             found |= {f"{q.name}.error": "number", f"{q.name}.absolute_error": "number"}
         if staircase and q.name == staircase.question:

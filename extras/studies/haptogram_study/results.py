@@ -6,7 +6,6 @@ import fcntl
 import json
 import os
 import stat
-from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -123,13 +122,12 @@ class ResultsFile:
         except OSError as error:
             raise bad_input(str(self.path), f"cannot be written: {error.strerror}; make room and run again, it goes on from here") from error
 
-    def same_session(self, **expected: object) -> Iterator[tuple[str, Record]]:
-        """The records, which must all be of this session."""
+    def require_same(self, **expected: object) -> None:
+        """Raises HaptogramError when a record is not of this session."""
         for where, record in self.before:
             for key, value in expected.items():
                 if record.get(key) != value:
                     raise bad_input(where, f"its {key} is {str(record.get(key))[:80]!r}, not {str(value)[:80]!r}; name another file for this session")
-            yield where, record
 
     def __enter__(self) -> Self:
         return self

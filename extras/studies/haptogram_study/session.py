@@ -42,7 +42,7 @@ class Session:
         self.cells = design.cells(protocol, participant, seed)
         self._before: Iterator[tuple[str, Record]] = iter(before)
         self._head = {"format": FORMAT, "protocol": protocol.name, "protocol_sha256": protocol.sha256, "participant": participant, "seed": seed,
-                      "observer": observer.name, "versions": versions or {}}  # fmt: skip
+                      "observer": observer.name, "versions": versions or {}} | ({"made_for": presenter.made_for} if presenter.made_for else {})  # fmt: skip
         self._worked_s = 0.0
         self.asked = 0  # in this part
 
@@ -83,7 +83,7 @@ class Session:
         expected: dict[str, Any] = {"set": cell.set, "factors": cell.factors, "drawn": cell.drawn}
         if stairs:
             expected |= {"start": cell.start, "level_db": level}
-        values = places(self.protocol, cell.levels, cell.drawn, level)
+        values = places(self.protocol, cell.levels, cell.drawn, level) | self.presenter.fitted
         found = self._record("trial", cell.number, step, expected)
         if found:
             return self._require_answers(found, questions)

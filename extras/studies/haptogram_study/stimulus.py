@@ -4,8 +4,8 @@ import ctypes
 import datetime
 import hashlib
 import math
+import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -13,18 +13,21 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from haptogram.client import Client
 from haptogram.driving import play
-from haptogram.errors import HaptogramError, bad_input, device_error
+from haptogram.errors import ErrorCode, HaptogramError, bad_input, device_error
 from haptogram.image import Image
 from haptogram.interface import Event
 from haptogram.trigger import ClockSample, fit_clocks
+from . import program as programs
 from .protocol import PathPlan, Protocol, Stimulus, Value, canonical, fill, names_in
 
 MOST_ROWS = 100_000
 MOST_CLOCKS = 200
+IMAGES_ARE_OF = ("compile", "path", "movement", "array", "board")  # what of a description decides an image
 
 
 def _number(value: Value, values: Mapping[str, object], where: str) -> float:
@@ -47,15 +50,21 @@ def path_rows(plan: PathPlan, values: Mapping[str, object], where: str) -> list[
     square_hz = _number(plan.square_hz, values, where)
     if square_hz < 0.0:
         raise bad_input(where, f"square_hz is {square_hz:g}, expected a rate, or 0 for none")
+    step_mm = _number(plan.step_mm, values, where) or (0.0 if square_hz else 0.5)
+    if step_mm < 0.0:
+        raise bad_input(where, f"step_mm is {step_mm:g}, expected a length, or 0")
     lengths = [math.dist(begin, end) for begin, end in zip(corners, corners[1:])]
     travel_s = sum(lengths) / plan.speed_mm_s if lengths else 0.0
-    rows = (travel_s + plan.hold_s) * 2.0 * square_hz if square_hz else sum(lengths) / plan.step_mm
+    rows = (travel_s + plan.hold_s) * 2.0 * square_hz if square_hz else sum(lengths) / step_mm
     if not rows < MOST_ROWS:
         raise bad_input(where, f"needs {rows:.3g} points, expected at most {MOST_ROWS}; make step_mm larger, or the path shorter")
     if square_hz:
         halves = math.ceil(rows - 1e-9)
-        # The place is that of the period's beginning.
-        times = [(k / (2.0 * square_hz), (k - k % 2) / (2.0 * square_hz), 0.0 if k % 2 else intensity) for k in range(halves)]
+        # The place is that of the period's beginning, or of that of the last whole step.
+        step_s = step_mm / plan.speed_mm_s if lengths and step_mm else 0.0
+        periods = [k // 2 / square_hz for k in range(halves)]
+        times = [(k / (2.0 * square_hz), math.floor(at / step_s + 1e-9) * step_s if step_s and at < travel_s else at, 0.0 if k % 2 else intensity)
+                 for k, at in enumerate(periods)]  # fmt: skip
     else:
         steps = max(math.ceil(rows), 1)
         moving = [travel_s * k / steps for k in range(steps + 1)] if lengths else [0.0]
@@ -83,6 +92,8 @@ def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> di
         found["compile"] = [fill(word, values) for word in stimulus.compile]
     if stimulus.live:
         found["live"] = [[fill(word, values) for word in words] for words in stimulus.live]
+    if stimulus.movement:
+        found["movement"] = [fill(word, values) for word in stimulus.movement]
     if stimulus.path:
         found["path"] = path_rows(stimulus.path, values, where)
     if stimulus.array:
@@ -94,24 +105,24 @@ def used_places(stimulus: Stimulus, known: Container[str]) -> set[str]:
     """Names of the placeholders that a stimulus depends on."""
     path = stimulus.path
     numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity, path.square_hz] if path else []
-    texts = (stimulus.text, *stimulus.compile, *(word for words in stimulus.live for word in words), *(v for v in numbers if isinstance(v, str)))
+    texts = (stimulus.text, *stimulus.compile, *stimulus.movement, *(word for words in stimulus.live for word in words), *(v for v in numbers if isinstance(v, str)))
     return {name for text in texts for name in names_in(text, known)}
 
 
-def program(given: str | None) -> str:
-    """The C++ program: as given, or of the environment's HAPTOGRAM_PROGRAM, or `haptogram` on the path."""
-    wanted = given or os.environ.get("HAPTOGRAM_PROGRAM") or "haptogram"
-    found = shutil.which(wanted)
-    if not found:
-        raise bad_input(wanted, "there is no such program; give --program, or set HAPTOGRAM_PROGRAM")
-    return found
+@dataclass(frozen=True)
+class MadeFor:
+    """What stimuli are made for, where it is not left to the array that the protocol names: names that the program knows."""
+
+    board: str = ""
+    array: str = ""
 
 
 class Presenter:
     """Plays nothing: what there is without a port. A trial that is asked without a stimulus says so in its results."""
 
-    def __init__(self, protocol: Protocol) -> None:
-        self.protocol = protocol
+    def __init__(self, protocol: Protocol, made_for: MadeFor = MadeFor()) -> None:
+        self.protocol, self._board, self._array = protocol, made_for.board, made_for.array
+        self.fitted = protocol.fits()[0]
         self._hashes: dict[tuple[str, ...], dict[str, object]] = {}
         self.began_s = self.ended_s = 0.0  # of the last stimulus, by time.monotonic()
         self.began_by = "host"
@@ -126,11 +137,22 @@ class Presenter:
             found |= {"error_s": round(self.began_error_s, 7), "clock": self.began_clock}
         return found
 
+    @property
+    def made_for(self) -> dict[str, object] | None:
+        """What the stimuli were made for, as the results have it; None where the protocol alone says it."""
+        found: dict[str, object] = {"board": self._board, "array": self._array, "fitted": self.fitted}
+        return {name: value for name, value in found.items() if value} or None
+
+    def fit(self, stimuli: Sequence[Mapping[str, object]]) -> None:
+        """Before the first trial: finds the fitted numbers, and raises HaptogramError when one of the stimuli cannot be presented."""
+
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
         """What the results say of the stimulus: `sha256` of its description, and `played`."""
+        values = {**values, **self.fitted}
         key = tuple(str(values[name]) for name in sorted(used_places(self.protocol.stimulus, values)))
         if key not in self._hashes:
             found = describe(self.protocol.stimulus, values, f"{self.protocol.path}: stimulus")
+            found |= {name: given for name, given in (("board", self._board), ("array", self._array)) if given}
             self._hashes[key] = {"sha256": hashlib.sha256(canonical(found)).hexdigest(), **self._more(found)}
         return self._hashes[key] | {"played": False}
 
@@ -146,12 +168,25 @@ class Presenter:
     def close(self) -> None: ...
 
 
+def _unplayable(protocol: Protocol, board: str, error: HaptogramError) -> HaptogramError:
+    """What is said before the first trial."""
+    return HaptogramError(error.code, protocol.name, f"cannot be played{f' on {board}' if board else ''}: {error}"
+                          + ("" if board else "; if it is made for another board than yours, give --board ('haptogram board list' has their names)"))  # fmt: skip
+
+
+def _array_of(program: str, board: str) -> str:
+    """The array of a shipped board, "" of what is none."""
+    listed = json.loads(programs.ask(program, ["board", "list", "--json"], "--board"))
+    return next((str(one["array"]) for one in listed if one["board"] == board), "")
+
+
 class Compiler(Presenter):
     """Makes the images of the stimuli in a folder, and plays none."""
 
-    def __init__(self, protocol: Protocol, folder: Path, program: str) -> None:
-        super().__init__(protocol)
+    def __init__(self, protocol: Protocol, made_for: MadeFor, folder: Path, program: str) -> None:
+        super().__init__(protocol, made_for)
         self._folder, self.program = folder, program
+        self._made: dict[str, dict[str, object]] = {}
         if not protocol.stimulus.compile:
             raise bad_input(str(protocol.path), "its stimuli have no images: they are live, or presented by another apparatus; run it without --images, "
                             "and a live one with --port and --from")  # fmt: skip
@@ -160,20 +195,40 @@ class Compiler(Presenter):
         except OSError as error:
             raise bad_input(str(folder), f"cannot be made: {error.strerror}; choose another folder") from error
 
+    def fit(self, stimuli: Sequence[Mapping[str, object]]) -> None:
+        """Makes the image of each."""
+        for self.fitted in self.protocol.fits():
+            try:
+                for values in stimuli:
+                    Presenter.prepare(self, values)
+                return
+            except HaptogramError as error:
+                failed = error
+        raise _unplayable(self.protocol, self._board, failed)
+
     def _more(self, description: dict[str, object]) -> dict[str, object]:
-        name = hashlib.sha256(canonical(description)).hexdigest()[:16]
+        of_image = {key: description[key] for key in IMAGES_ARE_OF if key in description}
+        name = hashlib.sha256(canonical(of_image)).hexdigest()[:16]
+        if name not in self._made:
+            self._made[name] = self._make(name, of_image)
+        return self._made[name]
+
+    def _make(self, name: str, description: dict[str, object]) -> dict[str, object]:
         image, words = self._folder / f"{name}.hex", [str(w) for w in description["compile"]]  # type: ignore[attr-defined]
+        made_for = [word for option in ("array", "board") if option in description for word in (f"--{option}", str(description[option]))]
         rows = description.get("path")
         if isinstance(rows, list):
             path = self._folder / f"{name}.csv"
             path.write_text("time_ms,x_mm,y_mm,z_mm,intensity\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows), encoding="utf-8")
-            words += ["--path", str(path), "--points", str(len(rows))]
-        if "array" in description:
-            words += ["--array", str(description["array"])]
+            words += ["--path", str(path)]
+        if "movement" in description:
+            path = self._folder / f"{name}.path.json"
+            moves = [str(w) for w in description["movement"]]  # type: ignore[attr-defined]
+            programs.ask(self.program, ["movement", *moves, *made_for, "-o", str(path)], f"{self.protocol.path}: stimulus")
+            words += ["--path", str(path)]
+        words += made_for
         before = image.read_bytes() if image.exists() else None  # files that a stimulus names may have been others then
-        done = subprocess.run([self.program, "compile", *words, "-o", str(image)], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
-        if done.returncode:
-            raise bad_input(f"{self.protocol.path}: stimulus", f"'haptogram compile {' '.join(words)}' failed: {done.stderr.strip() or done.stdout.strip()}")
+        programs.ask(self.program, ["compile", *words, "-o", str(image)], f"{self.protocol.path}: stimulus")
         if before not in (None, image.read_bytes()):
             print(f"haptogram-study: {image}: 'haptogram compile {' '.join(words)}' makes another image than it did before; image_sha256 tells which was played",
                   file=sys.stderr, flush=True)
@@ -184,8 +239,8 @@ class Board(Compiler):
     """Plays the images on a board: from start(), or the trigger input after it, to stop(), or to the image's end. When the board's trigger output tells each start, a
     stimulus began when the board says so, and otherwise when this computer knew that it plays."""
 
-    def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int | None, on_trigger: bool = False) -> None:
-        super().__init__(protocol, folder, program)
+    def __init__(self, protocol: Protocol, made_for: MadeFor, folder: Path, program: str, port: str, baud: int | None, on_trigger: bool = False) -> None:
+        super().__init__(protocol, made_for, folder, program)
         self._client, self._on_trigger = Client.open(port, baud), on_trigger
         if on_trigger:
             self._client.trigger()  # says so of a board that has no trigger input
@@ -195,6 +250,12 @@ class Board(Compiler):
         self._clocks: deque[ClockSample] | None = None
         if self._client.trigger_event() == Event.START:
             self._clocks, self.began_by = deque(maxlen=MOST_CLOCKS), "board"
+
+    def _make(self, name: str, description: dict[str, object]) -> dict[str, object]:
+        found = super()._make(name, description)
+        image = str(self._folder / str(found["image"]))
+        Image.load(image).require_fits(self._client.identity, image)
+        return found
 
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
         found = super().prepare(values)
@@ -218,7 +279,7 @@ class Board(Compiler):
 
     def _play(self) -> None:
         try:
-            play(self._client, on_trigger=self._on_trigger, stopped=self._asked.is_set, started=self._begin)
+            play(self._client, on_trigger=self._on_trigger, stopped=self._asked.is_set, started=self._begin, pause=self._asked.wait)
         except BaseException as error:
             self._failed = error
         finally:
@@ -311,8 +372,8 @@ class _Session:
 class Live(Presenter):
     """Plays for a tracked hand: `haptogram live`, from start() to stop(), on each array. One whose algorithm is `none` plays nothing."""
 
-    def __init__(self, protocol: Protocol, program: str, ports: Sequence[str], baud: int | None, sources: Sequence[str]) -> None:
-        super().__init__(protocol)
+    def __init__(self, protocol: Protocol, made_for: MadeFor, program: str, ports: Sequence[str], baud: int | None, sources: Sequence[str]) -> None:
+        super().__init__(protocol, made_for if made_for.array or not made_for.board else replace(made_for, array=_array_of(program, made_for.board)))
         arrays = len(protocol.stimulus.live)
         if not sources:
             raise bad_input("--from", f"is missing; {protocol.name} is for a tracked hand: say what sees it, such as leap-pipe:FIFO or depth-pipe:FIFO")
@@ -320,18 +381,29 @@ class Live(Presenter):
             raise bad_input("--port", f"found {len(ports)} and {len(sources)} --from; {protocol.name} has {arrays} arrays, which want a --port each"
                             + (" and a --from each, in the same order" if arrays > 1 else ""))  # fmt: skip
         self.program = program
-        rate = ["--baud", str(baud)] if baud else []
-        self._more_words = [[*(word for source in ([sources[i]] if arrays > 1 else sources) for word in ("--from", source)), "--port", port, *rate]
-                            for i, port in enumerate(ports)]  # fmt: skip
+        self._sources = [[word for source in ([sources[i]] if arrays > 1 else sources) for word in ("--from", source)] for i in range(arrays)]
+        array, rate = ["--array", self._array] if self._array else [], ["--baud", str(baud)] if baud else []
+        self._boards = [["--port", port, *rate, *array] for port in ports]
         self._commands: list[list[str]] = []
         self._running: list[_Session] = []
 
+    def _words(self, values: Mapping[str, object], sources: Sequence[Sequence[str]]) -> list[list[str]]:
+        """The commands that play a stimulus."""
+        filled = ([fill(word, values) for word in arguments] for arguments in self.protocol.stimulus.live)
+        return [["live", *words, *source, *board] for words, source, board in zip(filled, sources, self._boards)
+                if "--algorithm" not in words or words[words.index("--algorithm") + 1 :][:1] != ["none"]]  # fmt: skip
+
+    def fit(self, stimuli: Sequence[Mapping[str, object]]) -> None:
+        """Asks each board whether it could play, with a tracker that ends before its first hand, so the outputs stay off."""
+        for values in {tuple(values[f.name] for f in self.protocol.factors): values for values in stimuli}.values():
+            for words in self._words(values, len(self._boards) * [["--from", "leap-pipe:/dev/null"]]):
+                try:
+                    programs.ask(self.program, words, "live", ErrorCode.DEVICE)
+                except HaptogramError as error:
+                    raise _unplayable(self.protocol, self._board, error) from error
+
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
-        self._commands = []
-        for arguments, more in zip(self.protocol.stimulus.live, self._more_words):
-            words = [fill(word, values) for word in arguments]
-            if "--algorithm" not in words or words[words.index("--algorithm") + 1 :][:1] != ["none"]:
-                self._commands.append([self.program, "live", *words, *more])
+        self._commands = [[self.program, *words] for words in self._words(values, self._sources)]
         return super().prepare(values) | {"played": bool(self._commands)}
 
     def start(self) -> None:

@@ -5,13 +5,12 @@ around them as `haptogram live` makes them, and they feel by the pressure on the
 import json
 import math
 import random
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from haptogram.errors import HaptogramError, ErrorCode, bad_input
-from . import design
+from . import design, program as programs
 from .asking import Answer, Occasion
 from .design import digest
 from .observers import Silent
@@ -140,10 +139,7 @@ class Hand(Silent):
         return self._felt[key]
 
     def _run(self, words: list[str]) -> Found:
-        done = subprocess.run([self._program, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
-        if done.returncode:
-            raise HaptogramError(ErrorCode.RUN_FAILED, NAME, f"'haptogram {' '.join(words)}' failed: {done.stderr.strip()}")
-        found: Found = json.loads(done.stdout)
+        found: Found = json.loads(programs.ask(self._program, words, NAME, ErrorCode.RUN_FAILED))
         return found
 
     def _all_like(self, end: Occasion) -> list[Found]:
