@@ -72,7 +72,7 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
     }
     if (core.parameters().trigger != 0) {
         fmt::print("    {} changes of the trigger output\n", boards.triggers);
-        REQUIRE((commands < 3000 || boards.triggers > 100));
+        REQUIRE((commands < 3000 || boards.triggers > commands / 200));
     }
     if (wide && commands >= 3000) {
         REQUIRE(boards.focus_cycles > 0);
