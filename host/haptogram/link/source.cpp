@@ -94,10 +94,11 @@ bool PatternBytes::has_head(std::size_t words) {
     const std::string head = fmt::format("patterns {}\n", words);
     if (begun_ || (bytes_.size() < head.size() && head.starts_with(bytes_) && !input_.ended())) return begun_;
     if (!bytes_.starts_with(head))
-        throw bad_input(input_.name(),
-                        fmt::format("begins with '{}', expected the line 'patterns {}' for a board of {} channels, and "
-                                    "then two bytes for each channel of each pattern",
-                                    printable(bytes_.substr(0, std::min(bytes_.find('\n'), head.size()))), words, words));
+        throw bad_input(
+            input_.name(),
+            fmt::format("begins with '{}', expected the line 'patterns {}' for a board of {} channels, and "
+                        "then two bytes for each channel of each pattern",
+                        printable(bytes_.substr(0, std::min(bytes_.find('\n'), head.size()))), words, words));
     bytes_.erase(0, head.size());
     return begun_ = true;
 }

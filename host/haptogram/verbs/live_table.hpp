@@ -7,8 +7,8 @@
 
 namespace haptogram {
 
-/// A key of a project's table [live], which is an option of `haptogram live` with _ for -, and its value: as the file has
-/// it, as a command line has its parts, and where it stands. `haptogram live` knows which keys there are.
+/// A key of a project's table [live], which is an option of `haptogram live` with _ for -, and its value: as the file
+/// has it, as a command line has its parts, and where it stands. `haptogram live` knows which keys there are.
 struct LiveSetting {
     std::string key, toml;
     std::vector<std::string> parts;
