@@ -26,6 +26,12 @@ class Focus(NamedTuple):
     z_mm: float
     amplitude: float = 1.0  # 0 to 1
 
+    @classmethod
+    def at(cls, place_m: Sequence[float], amplitude: float = 1.0) -> "Focus":
+        """At x, y and z in metres."""
+        x, y, z = (1000.0 * float(axis) for axis in place_m)
+        return cls(x, y, z, amplitude)
+
     def pack(self) -> bytes:
         """Raises HaptogramError for a number that the board cannot hold."""
         if not 0 <= self.amplitude <= 1:
