@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from .errors import ErrorCode, HaptogramError, bad_input
 from .image import Image
-from .metres import FileName, Numbers, is_file, kind, metres, millimetres, mm, numbers, place_text, points_of, toml_file
+from .metres import FileName, Numbers, is_file, kind, metres, millimetres, mm, numbers, points_of, toml_file
 from .results import Field, Table, native_half, pictures, usage
 
 if TYPE_CHECKING:
@@ -66,15 +66,6 @@ def _one_line(message: str) -> str:
     listed = [number for number, line in enumerate(lines) if line.startswith("  ")]
     kept = [line.strip() for number, line in enumerate(lines) if number not in listed[1:]]
     return kept[0] + "".join((" " if kept[number].endswith(":") else "; ") + line for number, line in enumerate(kept[1:]))
-
-
-def _foci(where: str, value: Any, array: Array) -> Numbers:
-    """Points within the array's reach, n × 3."""
-    found = points_of(where, value)
-    for number, point in enumerate(found):
-        if why := array.native.unreachable(point):
-            raise bad_input(f"{where}[{number}]", f"{place_text(point)} m is out of the array's reach: {why}")
-    return found
 
 
 # ---- what is computed with
@@ -366,7 +357,9 @@ def compile(*, points_m: npt.ArrayLike | None = None, times_s: npt.ArrayLike | N
     board: a shipped board, a board file or a configuration of the core, such as "tile-100-wide".
     settings: any other key of a project: points (how many, of a shape), rate_hz, speed_m_s, frequency_hz, am ("sine:200"), amplitude, even, clip,
         image ("foci" or "records"), …; of shapes diameter_m, length_m, height_m, sides, turns, unit, up; and of where they all go center_m (3), size_m,
-        rotate_deg (3), scale. Lengths are metres; a file's unit is "mm" unless you say "cm" or "m". Settings replace a project's own.
+        rotate_deg (3), scale. Settings replace a project's own.
+
+    Lengths are metres; those in a dict have a name with _m, or with _mm as in files. A file's unit is "mm" unless you say unit="cm" or "m".
 
     Raises HaptogramError when a point is out of the array's reach, or the board cannot hold the image.
     """
@@ -412,10 +405,10 @@ def _compiled(made: Any) -> Compiled:
     return Compiled(made.hex, made.manifest, made.foci_m, made.rate_hz, tuple(made.warnings))
 
 
-def _one_focus(array: Array, focus_m: npt.ArrayLike | None) -> Numbers:
+def _one_focus(focus_m: npt.ArrayLike | None) -> Numbers:
     if focus_m is None:
         raise usage("focus_m", "of an array it must be given where it focuses: (x, y, z) in metres")
-    foci = _foci("focus_m", focus_m, array)
+    foci = points_of("focus_m", focus_m)
     if len(foci) != 1:
         raise usage("focus_m", f"expected one focus, found {len(foci)}; solve() makes several")
     return foci[0]  # type: ignore[no-any-return]
@@ -425,7 +418,7 @@ def _excitation(source: Source, focus_m: npt.ArrayLike | None, record: int, work
     """What makes the sound, for haptogram_native."""
     kinds = native_half().Excitation
     if isinstance(source, Array):
-        return kinds.of_focus(source.native, _one_focus(source, focus_m))
+        return kinds.of_focus(source.native, _one_focus(focus_m))
     if focus_m is not None:
         raise usage("focus_m", "is of an Array, which can focus anywhere")
     if isinstance(source, Drives):
@@ -535,7 +528,7 @@ def pressure(source: Array | Drives, points_m: npt.ArrayLike, *, focus_m: npt.Ar
         return native_half().pressure(excitation.array, excitation.drives[0], points, threads=threads)  # type: ignore[no-any-return]
 
 
-def _sets(foci_m: Any, amplitudes: Any, array: Array) -> list[tuple[Numbers, Numbers]]:
+def _sets(foci_m: Any, amplitudes: Any) -> list[tuple[Numbers, Numbers]]:
     """Foci and amplitudes of each set."""
     given = numbers("foci_m", foci_m)
     if given.ndim not in (1, 2, 3) or given.shape[-1] != 3 or not given.size:
@@ -545,7 +538,7 @@ def _sets(foci_m: Any, amplitudes: Any, array: Array) -> list[tuple[Numbers, Num
     if strengths.shape != given.shape[:-1]:
         raise usage("amplitudes", f"found {kind(amplitudes)} for {kind(given)}; give one for each focus")
     each = np.atleast_1d(strengths) if given.ndim < 3 else strengths
-    return [(_foci("foci_m", foci, array), one) for foci, one in zip(sets, [each] if given.ndim < 3 else each, strict=True)]
+    return [(points_of("foci_m", foci), one) for foci, one in zip(sets, [each] if given.ndim < 3 else each, strict=True)]
 
 
 def _played_foci(compiled: Compiled) -> tuple[list[tuple[Numbers, Numbers]], Numbers]:
@@ -582,7 +575,7 @@ def solve(source: Array | FileName | Compiled, foci_m: npt.ArrayLike | None = No
     elif foci_m is None:
         raise usage("foci_m", "give the foci, n × 3 in metres")
     else:
-        sets = _sets(foci_m, amplitudes, array)
+        sets = _sets(foci_m, amplitudes)
     native, found, tables = native_half(), [], []
     with _work():
         for places, strengths in sets:
@@ -663,7 +656,7 @@ def _report(verb: str, source: Source, focus_m: npt.ArrayLike | None, options: M
     with _work() as work:
         words = [_program(), verb, "--json"]
         if isinstance(source, Array):
-            place = ",".join(map(repr, mm("focus_m", _one_focus(source, focus_m))))
+            place = ",".join(map(repr, mm("focus_m", _one_focus(focus_m))))
             words += [f"--focus={place}", f"--array={source.file_in(work)}"]
         elif focus_m is not None:
             raise usage("focus_m", "is of an Array, which can focus anywhere")

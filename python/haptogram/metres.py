@@ -58,9 +58,10 @@ def points_of(where: str, value: Any) -> Numbers:
     found = found[None] if found.shape == (3,) else found
     if found.ndim != 2 or found.shape[1] != 3:
         raise usage(where, f"expected points × 3, found {kind(value)}")
-    for number, point in enumerate(found):
-        if (away := float(np.linalg.norm(point))) > FARTHEST_M:
-            raise usage(f"{where}[{number}]", f"{place_text(point)} m is {away:g} m away; lengths are metres: did you mean {place_text(point / 1000)}?")
+    away = np.linalg.norm(found, axis=1)
+    for number in np.flatnonzero(away > FARTHEST_M):
+        at, meant = place_text(found[number]), place_text(found[number] / 1000)
+        raise usage(f"{where}[{number}]", f"{at} m is {away[number]:g} m away; lengths are metres: did you mean {meant}?")
     return found
 
 
