@@ -521,8 +521,10 @@ def pressure(source: Array | Drives, points_m: npt.ArrayLike, *, focus_m: npt.Ar
     source: Drives of one set, or an Array with focus_m (3), which it focuses on at full strength.
     """
     points = points_of("points_m", points_m)
+    if not isinstance(source, Array | Drives):
+        raise usage("source", f"expected Drives of one set, or an Array with focus_m; found {kind(source)}")
     with _work() as work:
-        excitation = _excitation(source, focus_m, 0, work) if isinstance(source, Array | Drives) else _image(None, work)
+        excitation = _excitation(source, focus_m, 0, work)
         if len(excitation.drives) != 1:
             raise usage("source", f"found {len(excitation.drives)} sets of drives, expected one")
         return native_half().pressure(excitation.array, excitation.drives[0], points, threads=threads)  # type: ignore[no-any-return]
