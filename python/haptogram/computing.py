@@ -653,6 +653,13 @@ def _table(rows: str, found: list[dict[str, Any]], about: dict[str, Any]) -> Tab
     return Table(rows, columns, about)
 
 
+def _program_said(code: ErrorCode, about: str, said: str) -> HaptogramError:
+    """Its message as an error, with the place that it names."""
+    message = _one_line(said).removeprefix("haptogram: ")
+    where, _, rest = message.partition(": ")
+    return HaptogramError(code, where.removeprefix("--"), rest) if rest and " " not in where else HaptogramError(code, about, message)
+
+
 def _report(verb: str, source: Source, focus_m: npt.ArrayLike | None, options: Mapping[str, Any]) -> dict[str, Any]:
     """What a command of the program reports as JSON, in metres and newtons."""
     with _work() as work:
@@ -670,7 +677,7 @@ def _report(verb: str, source: Source, focus_m: npt.ArrayLike | None, options: M
         if done.returncode:
             said = [line for line in done.stderr.replace(f"{work}/", "").splitlines() if not line.startswith("haptogram: warning:")]
             code = ErrorCode(done.returncode) if done.returncode in (1, 2, 3, 4) else ErrorCode.RUN_FAILED
-            raise HaptogramError(code, verb, _one_line("\n".join(said) or f"the program ended with {done.returncode}").removeprefix("haptogram: "))
+            raise _program_said(code, verb, "\n".join(said) or f"the program ended with {done.returncode}")
         found: dict[str, Any] = _metric("", json.loads(done.stdout))[1]
         return found
 
@@ -733,7 +740,7 @@ def simulated_board(board: str = "tile-100-wide", *, model: str = "reference") -
                 assert process.stdout is not None
                 if not (port := process.stdout.readline().strip()):
                     said.seek(0)
-                    raise HaptogramError(ErrorCode.RUN_FAILED, board, _one_line(said.read()).removeprefix("haptogram: "))
+                    raise _program_said(ErrorCode.RUN_FAILED, board, said.read())
                 yield port
             finally:
                 process.terminate()

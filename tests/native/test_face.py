@@ -275,7 +275,8 @@ LARGE = np.zeros((300, 30))
     lambda ring: haptogram.solve("tile-10x10", [[0, 0, float("nan")]]),
     lambda ring: haptogram.pressure(ring, [[0, 0, 0.13]]),
     lambda ring: haptogram.compare([haptogram.field(ring, z_m=0.13), haptogram.field(ring, z_m=0.13, quantity="spl")]),
-])  # fmt: skip
+], ids=["nothing", "both", "points", "shape", "count", "setting", "times", "project", "array", "source", "image", "no-plane", "plane", "quantity", "no-array", "no-focus",
+        "felt", "simulated", "drives", "of-array", "foci", "nan", "pressure", "compare"])  # fmt: skip
 def test_errors_are_one_line_without_the_argument(ring, wrong):
     with refused():
         wrong(ring)
@@ -347,7 +348,7 @@ def test_a_board_takes_what_compile_gives(ring):
     assert haptogram.Client is haptogram.Board
     assert haptogram.Focus.at((0.02, 0, 0.13), 0.5) == haptogram.Focus(20, 0, 130, 0.5)
     with refused():
-        haptogram.Focus.at((20, 0, 130)).pack()
+        haptogram.Focus.at((20, 0, 130))
     with refused(), haptogram.simulated_board("nowhere"):
         pass
 
