@@ -26,7 +26,8 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from .board import Identity, Status
-from .client import Board, Client
+from .client import Board
+from .client import Client as Client  # as in earlier versions; help() has only Board
 from .driving import end_like_ctrl_c, play, stream
 from .errors import ErrorCode, HaptogramError
 from .foci import Focus
@@ -43,7 +44,7 @@ try:
     __version__ = metadata.version("haptogram")
 except metadata.PackageNotFoundError:
     __version__ = "of the sources, not installed"
-__all__ = ["Array", "Board", "Client", "ClockFit", "ClockSample", "Compiled", "Drives", "ErrorCode", "Event", "Field", "Focus", "HaptogramError", "Identity",
+__all__ = ["Array", "Board", "ClockFit", "ClockSample", "Compiled", "Drives", "ErrorCode", "Event", "Field", "Focus", "HaptogramError", "Identity",
            "Image", "PatternStream", "Record", "Status", "Table", "Test", "Trigger", "TriggerSettings", "analyze", "array_names", "compare", "compile",
            "end_like_ctrl_c", "feel", "field", "fit_clocks", "play", "pressure", "simulate", "simulated_board", "solve", "stream", "workspace"]  # fmt: skip
 _OF_RESULTS = {"Field", "Table", "compare"}
