@@ -86,14 +86,19 @@ CPP = """# C++
 [The C++ libraries](cpp/annotated.html), from the comments in their headers: [by folder](cpp/files.html), [by namespace](cpp/namespaces.html).
 [Small programs](../host/README.md#programs-of-your-own) show how they are used.
 """
-CLIENT = ("Client", "Image", "Record", "Focus", "Identity", "Status", "play", "stream", "end_like_ctrl_c", "HaptogramError", "ErrorCode")
+PYTHON = {
+    "Compute": ("results.Field", "results.Table", "results.compare", *(f"computing.{name}" for name in (
+        "compile", "field", "feel", "solve", "simulate", "analyze", "pressure", "workspace", "Array", "Compiled", "Drives", "array_names", "simulated_board"))),
+    "Play": ("Board", "Image", "Record", "Focus", "Identity", "Status", "play", "stream", "end_like_ctrl_c", "HaptogramError", "ErrorCode"),
+}  # fmt: skip
 
 
 def python_page() -> str:
-    """Names that the packages export; what mkdocstrings reads in the sources of the client, and in the native module itself."""
-    page = "# Python\n\n## haptogram\n\nThe client of boards: [how to use it](../python/README.md).\n\n"
-    page += "".join(f"::: haptogram.{name}\n\n" for name in CLIENT)
-    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../python/README.md#compute-with-numpy). `Array`,\n`Compiled` and `Field` also have `plot(axes=None)`, by matplotlib.\n\n::: haptogram_native._native\n"
+    """Names that the package exports, as mkdocstrings reads them in its sources, and the native module below it."""
+    page = "# Python\n\n[How to use it](../python/README.md). Names are of the package `haptogram`: `haptogram.compile`.\n\n"
+    for title, names in PYTHON.items():
+        page += f"## {title}\n\n" + "".join(f"::: haptogram.{name}\n\n" for name in names)
+    page += "## haptogram_native\n\nThe C++ libraries, which `haptogram` calls.\n\n::: haptogram_native._native\n"
     return page
 
 

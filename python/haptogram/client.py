@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from . import rates
 from .board import Identity, Status
@@ -44,6 +44,9 @@ from .port import Port, never
 from .session import Line, Session, keep_alive_pause, shut_off
 from .trigger import ClockSample, Trigger, TriggerSettings
 from .udp import UdpLine, names_udp
+
+if TYPE_CHECKING:
+    from .computing import Compiled
 
 GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
 GATE_AT_TRIGGER = GATE_AT_END - 1
@@ -81,9 +84,9 @@ def _wrong_rate(port: str, baud: int, error: HaptogramError, stopped: Callable[[
     return device_error(error.where, f"no answer to identify at {baud} baud, but at {right}: give that rate, or none, and it is found")
 
 
-class Client:
-    """Speaks to a board, whose session it begins. As a context manager it closes its line at the end; what turns the
-    outputs off is outputs(). Methods raise HaptogramError when the board refuses or does not answer."""
+class Board:
+    """Speaks to a board behind a port, whose session it begins: Board.open("/dev/ttyUSB0"). As a context manager it closes its line
+    at the end; what turns the outputs off is outputs(). Methods raise HaptogramError when the board refuses or does not answer."""
 
     identity: Identity
 
@@ -321,9 +324,10 @@ class Client:
         replies = self._session.exchange([_digest(piece.address, len(piece.data)) for piece in pieces])
         return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest_of(reply) != zlib.crc32(piece.data)]
 
-    def upload(self, image: Image, where: str = "image") -> int:
+    def upload(self, image: "Image | Compiled", where: str = "image") -> int:
         """Writes what differs and asks for its digests again; returns how many frames that took. The geometry of foci has no
         digest and is written each time. The board then modulates as the image says. `where` is the image's name in messages."""
+        image = image if isinstance(image, Image) else image.image
         image.require_fits(self.identity, where)
         unread, stale = image.unread_pieces(), self.different(image.pieces())
         self._session.exchange([_write(piece) for piece in unread + stale])
@@ -398,6 +402,9 @@ class Client:
 
     def _ask(self, command: Command, *words: int) -> Reply:
         return self._session.exchange([Request(command, _pack(command, words))])[0]
+
+
+Client = Board  # its name in earlier versions; the next one has only Board
 
 
 def _pack(command: Command, words: Sequence[int]) -> bytes:

@@ -13,7 +13,7 @@ from io import FileIO
 from serial.tools import list_ports
 
 from . import rates
-from .client import Client, open_line
+from .client import Board, open_line
 from .driving import play, stream
 from .errors import ErrorCode, HaptogramError, bad_input, device_error
 from .image import Image
@@ -56,8 +56,8 @@ def show(values: Mapping[str, object], as_json: bool, sentence: str = "") -> Non
             print(f"{name:16} {value}")
 
 
-def connect(options: argparse.Namespace, interrupt: Interrupt | None = None) -> Client:
-    return Client.open(options.port, options.baud, interrupt or Interrupt(), lambda baud: tell_rate(options.port, baud))
+def connect(options: argparse.Namespace, interrupt: Interrupt | None = None) -> Board:
+    return Board.open(options.port, options.baud, interrupt or Interrupt(), lambda baud: tell_rate(options.port, baud))
 
 
 def tell_rate(port: str, baud: int) -> None:

@@ -9,7 +9,7 @@ from operator import itemgetter
 from typing import NamedTuple
 
 from .board import Status
-from .client import Client
+from .client import Board
 from .errors import Interrupted, bad_input, device_error
 from .port import never
 
@@ -38,7 +38,7 @@ def _is_over(status: Status) -> bool:
     return status.present_index == 0 and status.live_level == 0 and status.mode in ("idle", "live")
 
 
-def _watch(board: Client, before: Status) -> Status:
+def _watch(board: Board, before: Status) -> Status:
     """The board's status; when it says that all is over, it is asked for a second time. For between the clock in which a record of
     amplitudes is taken and its first pulse passes up to one carrier period, which is less than a status takes on the line.
     Raises HaptogramError when the board has turned its outputs off by itself."""
@@ -67,7 +67,7 @@ def _outcome(before: Status, now: Status, interrupted: bool) -> Outcome:
 def _nothing() -> None: ...
 
 
-def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500, on_trigger: bool = False,
+def play(board: Board, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500, on_trigger: bool = False,
          stopped: Callable[[], bool] = never, started: Callable[[], None] = _nothing, pause: Callable[[float], object] = time.sleep) -> Outcome:  # fmt: skip
     """Plays one record, or with index 0 the sequence, `loops` times (0 for ever; None as its header says), until its end,
     for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off.
@@ -101,7 +101,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
     return _outcome(before, now, interrupted)
 
 
-def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: int = 500,
+def stream(board: Board, batches: Iterable[Sequence[Entry]], *, watchdog_ms: int = 500,
            stopped: Callable[[], bool] = never) -> tuple[int, Outcome]:  # fmt: skip
     """Plays entries as they come, no faster than the board takes them, to the last one or until `stopped` says so; if it does
     before the outputs are on, they stay off. Returns how many were sent. A source that has nothing yet gives an empty batch,
@@ -124,7 +124,7 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
     return sent, _outcome(before, now, interrupted)
 
 
-def _runs(board: Client, before: Status, batches: Iterable[Sequence[Entry]], stopped: Callable[[], bool]) -> Iterator[int]:
+def _runs(board: Board, before: Status, batches: Iterable[Sequence[Entry]], stopped: Callable[[], bool]) -> Iterator[int]:
     """Pushes entries of one dwell together; says of each push how many they were."""
     depth = board.identity.live_depth
     most = min(depth, board.identity.channels)  # a frame holds at most as many indices as a record has words

@@ -26,6 +26,15 @@ class Focus(NamedTuple):
     z_mm: float
     amplitude: float = 1.0  # 0 to 1
 
+    @classmethod
+    def at(cls, place_m: Sequence[float], amplitude: float = 1.0) -> "Focus":
+        """At x, y and z in metres. Raises HaptogramError for a place that is farther away than a board can say."""
+        x, y, z = map(float, place_m)
+        if max(abs(x), abs(y), abs(z)) > 1.024:
+            meant = f"({x / 1000:g}, {y / 1000:g}, {z / 1000:g})"
+            raise bad_input("place_m", f"({x:g}, {y:g}, {z:g}) m is too far away; lengths are metres: did you mean {meant}?")
+        return cls(1000 * x, 1000 * y, 1000 * z, amplitude)
+
     def pack(self) -> bytes:
         """Raises HaptogramError for a number that the board cannot hold."""
         if not 0 <= self.amplitude <= 1:

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 
 from .board import Status
-from .client import Client
+from .client import Board
 from .errors import bad_input, device_error
 from .frame import Request
 from .interface import (
@@ -34,7 +34,7 @@ class PatternStream:
     """The slots in a board, and what is sent to them. A pattern is {amplitude, phase} of each channel, 16 bits each, as in a record of
     amplitudes. Whatever lies in the records from `first` on is overwritten."""
 
-    def __init__(self, board: Client, first: int = 1, slots: int = 64, hold: int = 40, fade: int = 1024) -> None:
+    def __init__(self, board: Board, first: int = 1, slots: int = 64, hold: int = 40, fade: int = 1024) -> None:
         """`slots`, a power of two, is how many periods ahead the host can be, at most what the board's STREAM says. A board without
         patterns plays the last one on for `hold` periods; then amplitudes fall by `fade` a period, of 65,535."""
         if not board.identity.features >> Feature.STREAM & 1:

@@ -109,6 +109,12 @@ def test_errors_are_one_family(array, tmp_path):
         array.with_elements([[0, 0, 0]], [[0, 0, 2.0]])
     with refusal(native.BadArgument):
         array.with_elements([[0, 0, 0]], [[0, 0, 1.0], [0, 0, 1.0]])
+    for lost in ((0, 0, 130), (0, 0, -0.1), (0.5, 0, 0.1)):
+        for focus in (native.ideal_drives, native.Excitation.of_focus, lambda array, at: native.solve(array, [(0, 0, 0.13), at]),
+                      lambda array, at: native.analyze_focus(array, drives, at)):  # fmt: skip
+            with refusal(native.BadArgument) as caught:
+                focus(array, lost)
+            assert caught.value.where in ("focus_m", "foci_m[1]") and (lost[2] < 100 or "did you mean (0, 0, 0.13)?" in caught.value.message)
     assert issubclass(native.Failed, native.HaptogramError) and issubclass(native.DeviceError, native.HaptogramError)
 
 

@@ -16,11 +16,14 @@ import notebooks  # noqa: E402
 NATIVE = Path(haptogram_native.__file__).parents[1]
 
 
-def test_there_are_three():
-    assert len(notebooks.all_notebooks()) == 3
+LONG = "sweep"  # starts a cluster
 
 
-@pytest.mark.parametrize("path", [path if path.stem == "first_shape" else pytest.param(path, marks=pytest.mark.deep) for path in notebooks.all_notebooks()], ids=lambda path: path.stem)
+def test_there_are_six():
+    assert len(notebooks.all_notebooks()) == 6
+
+
+@pytest.mark.parametrize("path", [pytest.param(path, marks=pytest.mark.deep) if path.stem == LONG else path for path in notebooks.all_notebooks()], ids=lambda path: path.stem)
 def test_a_notebook_runs_and_every_picture_is_drawn(path):
     ran = notebooks.run(path, PROGRAM, NATIVE)
     code = [cell for cell in ran.cells if cell.cell_type == "code"]
@@ -28,7 +31,7 @@ def test_a_notebook_runs_and_every_picture_is_drawn(path):
     assert not any("!haptogram" in cell.source for cell in code)  # of which Jupyter does not say that it failed; %%sh does
     for cell in code:
         drawn = any("image/png" in output.get("data", {}) for output in cell.outputs)
-        assert drawn == ("plot(" in cell.source), cell.source
+        assert drawn == ("plot(" in cell.source or "compare(" in cell.source), cell.source
 
 
 @pytest.mark.parametrize("path", notebooks.all_notebooks(), ids=lambda path: path.stem)

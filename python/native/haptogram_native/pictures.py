@@ -78,30 +78,31 @@ def pose_repr(self: _native.Pose) -> str:
     return f"<Pose at {np.round(origin * 1e3, 3).tolist()} mm, axes {turned}>"
 
 
-def array_plot(self: _native.Array, axes: "Axes | None" = None) -> "Axes":
-    """The elements as the hand sees them, with the numbers of the first and the last channel."""
+def array_plot(self: _native.Array, axes: "Axes | None" = None, **options: Any) -> "Axes":
+    """The elements as the hand sees them, with the numbers of the first and the last channel. Options are those of matplotlib's plot."""
     axes = _axes(axes)
     x, y, _ = self.positions_m.T * 1e3
-    axes.plot(x, y, "o", ms=6, mfc="none")
+    axes.plot(x, y, "o", **{"markersize": 6, "markerfacecolor": "none", **options})
     for channel in (0, len(self) - 1):
         axes.annotate(str(channel), (x[channel], y[channel]), ha="center", va="center", fontsize=7)
     axes.set(xlabel="x / mm", ylabel="y / mm", title=f"{self.name}: {len(self)} × {self.transducer}", aspect="equal")
     return axes
 
 
-def compiled_plot(self: _native.Compiled, axes: "Axes | None" = None) -> "Axes":
-    """The focal points in space, coloured in the order in which they play."""
+def compiled_plot(self: _native.Compiled, axes: "Axes | None" = None, **options: Any) -> "Axes":
+    """The focal points in space, coloured in the order in which they play. Options are those of matplotlib's scatter."""
     axes = _axes(axes, projection="3d")
     x, y, z = self.foci_m.T * 1e3
     axes.plot(x, y, z, lw=0.6, color="#999999")
-    axes.scatter(x, y, z, c=np.arange(len(x)), cmap="viridis", s=14)
+    axes.scatter(x, y, z, **{"c": np.arange(len(x)), "cmap": "viridis", "s": 14, **options})
     axes.set(xlabel="x / mm", ylabel="y / mm", zlabel="z / mm", title=f"{len(x)} foci, {self.rate_hz:g} passes a second")
     axes.set_box_aspect(None, zoom=0.85)  # else the label of z is cut off
     return axes
 
 
-def field_plot(self: _native.Field, axes: "Axes | None" = None) -> "Axes":
-    """A plane as a map, a line as a curve; of complex values the amplitude."""
+def field_plot(self: _native.Field, axes: "Axes | None" = None, *, colorbar: bool = True, title: str | None = None, **options: Any) -> "Axes":
+    """A plane as a map, a line as a curve; of complex values the amplitude. Options are those of matplotlib's pcolormesh or plot; the limits vmin and
+    vmax of a curve are those of its axis."""
     grid = {"x": self.x_m, "y": self.y_m, "z": self.z_m}
     wide = [name for name, axis in grid.items() if len(axis) > 1]
     if len(wide) not in (1, 2):
@@ -112,12 +113,18 @@ def field_plot(self: _native.Field, axes: "Axes | None" = None) -> "Axes":
         names, at = {"x": "u", "y": "v"}, "oblique plane"
     axes, values, label = _axes(axes), np.squeeze(self.values), LABELS[self.quantity]
     values = np.abs(values) if np.iscomplexobj(values) else values
-    axes.set(title=at, xlabel=f"{names[wide[0]]} / mm", ylabel=label if len(wide) == 1 else f"{names[wide[1]]} / mm")
+    ylabel = label if len(wide) == 1 else f"{names[wide[1]]} / mm"
+    axes.set(title=at if title is None else title, xlabel=f"{names[wide[0]]} / mm", ylabel=ylabel)
     if len(wide) == 1:
-        axes.plot(grid[wide[0]] * 1e3, values)
+        limits = {"bottom": options.pop("vmin", None), "top": options.pop("vmax", None)}
+        axes.plot(grid[wide[0]] * 1e3, values, **options)
+        if any(limit is not None for limit in limits.values()):
+            axes.set_ylim(**limits)
         return axes
-    image = axes.pcolormesh(grid[wide[0]] * 1e3, grid[wide[1]] * 1e3, values, cmap="magma", shading="nearest", rasterized=True)
-    axes.figure.colorbar(image, ax=axes, label=label)
+    options = {"cmap": "magma", "shading": "nearest", "rasterized": True, **options}
+    image = axes.pcolormesh(grid[wide[0]] * 1e3, grid[wide[1]] * 1e3, values, **options)
+    if colorbar:
+        axes.figure.colorbar(image, ax=axes, label=label)
     axes.set(aspect="equal")
     return axes
 

@@ -171,6 +171,20 @@ Vec3 vec3_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
+void require_reach(const Array& array, std::span<const Vec3> foci, const std::string& setting) {
+    constexpr double farthest_m = 5.0;  // nothing can be felt beyond
+    const auto told = [](Vec3 p) { return fmt::format("({:g}, {:g}, {:g})", p.x, p.y, p.z); };
+    for (std::size_t i = 0; i < foci.size(); ++i) {
+        const Vec3 p = foci[i];
+        const std::string where = foci.size() == 1 ? setting : fmt::format("{}[{}]", setting, i);
+        if (const double away = norm(p); away > farthest_m)
+            throw bad_argument(where, fmt::format("{} m is {:g} m away; lengths are metres: did you mean {}?", told(p),
+                                                  away, told(0.001 * p)));
+        if (const std::string why = array.unreachable(p); !why.empty())
+            throw bad_argument(where, fmt::format("{} m is out of the array's reach: {}", told(p), why));
+    }
+}
+
 void add_fields(py::module_& module) {
     py::class_<Pose>(module, "Pose", "Where something is and how it is turned: an origin and three axes.")
         .def(py::init([](const std::array<double, 3>& origin, const std::array<double, 3>& angles) {
@@ -248,7 +262,9 @@ void add_fields(py::module_& module) {
     module.def(
         "ideal_drives",
         [](const Array& array, const std::array<double, 3>& focus) {
-            return owned(ideal_drives(array, vec3_of(focus)));
+            const Vec3 at = vec3_of(focus);
+            require_reach(array, {&at, 1}, "focus_m");
+            return owned(ideal_drives(array, at));
         },
         py::arg("array"), py::arg("focus_m"), "Drives (complex128, one an element) that focus with full strength.");
     module.def("pressure", &pressure_py, py::arg("array"), py::arg("drives"), py::arg("points_m"), py::kw_only(),

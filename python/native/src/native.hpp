@@ -30,6 +30,10 @@ using Complexes = py::array_t<std::complex<double>, py::array::c_style | py::arr
 [[nodiscard]] std::span<const double> row_of(const Doubles& array, const char* setting);
 [[nodiscard]] std::span<const std::complex<double>> row_of(const Complexes& array, const char* setting);
 
+/// @throws Error{bad_argument} naming `setting` and the focus that is out of the array's reach, or so far away that its
+/// lengths must have been millimetres
+void require_reach(const Array& array, std::span<const Vec3> foci, const std::string& setting);
+
 /// A numpy array that owns the values from now on.
 template <class To, class From>
 py::array_t<To> owned(std::vector<From>&& values, std::vector<py::ssize_t> shape) {

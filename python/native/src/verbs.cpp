@@ -65,6 +65,7 @@ py::array_t<std::complex<double>> solve_py(const Array& array, const Doubles& fo
                                            const std::optional<Doubles>& amplitudes, const std::string& method,
                                            bool vary_amplitudes, const std::string& level,
                                            std::optional<unsigned> rounds, const std::optional<Complexes>& start) {
+    require_reach(array, points_of(foci_m, "foci_m"), "foci_m");
     const auto foci = foci_of(foci_m, amplitudes);
     const SolveOptions options{method_of(method, "method"), vary_amplitudes, level_of(level), rounds};
     std::span<const std::complex<double>> begin;
@@ -223,7 +224,9 @@ void add_verbs(py::module_& module) {
         .def_static(
             "of_focus",
             [](const Array& array, const Point& focus) {
-                return excitation_of(array, Vec3{focus[0], focus[1], focus[2]});
+                const Vec3 at{focus[0], focus[1], focus[2]};
+                require_reach(array, {&at, 1}, "focus_m");
+                return excitation_of(array, at);
             },
             py::arg("array"), py::arg("focus_m"), "Exact phases for one focal point, at full strength.")
         .def_static(
@@ -293,11 +296,13 @@ void add_verbs(py::module_& module) {
         "analyze_focus",
         [](const Array& array, const Complexes& drives, const Point& focus, const std::string& core) {
             const auto played = row_of(drives, "drives");
+            const Vec3 at{focus[0], focus[1], focus[2]};
+            require_reach(array, {&at, 1}, "focus_m");
             const py::gil_scoped_release unlocked;
             if (played.size() != array.elements.size())
                 throw bad_argument("drives", fmt::format("found {} for {} elements; give one each", played.size(),
                                                          array.elements.size()));
-            return analyze(array, find_core(core), played, Vec3{focus[0], focus[1], focus[2]});
+            return analyze(array, find_core(core), played, at);
         },
         py::arg("array"), py::arg("drives"), py::arg("focus_m"), py::kw_only(), py::arg("core") = "tile-100",
         "What a focal point is like. The core, a board or a configuration, adds its time to load a record.");
