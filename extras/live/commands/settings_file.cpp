@@ -40,9 +40,10 @@ void take_live_table(CLI::App& command, const std::string& file) {
         std::replace(name.begin(), name.end(), '_', '-');
         CLI::Option* option = command.get_option_no_throw(name);
         if (option == nullptr || !option->get_configurable())
-            throw bad_input(setting.where, fmt::format("unknown key live.{}; known are the options that 'haptogram live "
-                                                       "--help' names, with _ for -",
-                                                       setting.key));
+            throw bad_input(setting.where,
+                            fmt::format("unknown key live.{}; known are the options that 'haptogram live "
+                                        "--help' names, with _ for -",
+                                        setting.key));
         if (option->count() > 0) continue;
         if (const CLI::Option* rival = rival_of(*option); rival == nullptr)
             take(*option, setting);

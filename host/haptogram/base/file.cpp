@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int standard_input = 0, standard_output = 1, standard_error = 2;
-constexpr std::size_t most_of_a_stream = std::size_t{256} << 20;  // of bytes: pipes and devices do not say how many come
+constexpr std::size_t most_of_a_stream = std::size_t{256}
+                                         << 20;  // of bytes: pipes and devices do not say how many come
 
 std::string reason() { return std::generic_category().message(errno); }
 
@@ -120,7 +121,8 @@ std::string read_file(const std::filesystem::path& path) {
         if (count < 0) throw bad_input(path.string(), fmt::format("cannot be read: {}", reason()));
         if (count == 0) return content;
         if (no_file && content.size() > most_of_a_stream)
-            throw bad_input(path.string(), fmt::format("has no end within {} MiB; give a file", most_of_a_stream >> 20));
+            throw bad_input(path.string(),
+                            fmt::format("has no end within {} MiB; give a file", most_of_a_stream >> 20));
         content.append(buffer.data(), static_cast<std::size_t>(count));
     }
 }
