@@ -69,7 +69,7 @@ export function Feel({ actions }: { actions: Actions }) {
   const now = scene.value;
   const found = now ? analysis.value?.findings ?? now.findings : [];
   const felt = now && analysis.value ? feltOf(now, analysis.value) : undefined;
-  const verdict: Verdict = !now ? "nothing" : !analysis.value || !current.value ? "looking" : felt && felt.weakest.times < 1 ? "fades" : found.length > 0 ? "notes" : "clear";
+  const verdict: Verdict = !now || state.refused.value ? "nothing" : !analysis.value || !current.value ? "looking" : felt && felt.weakest.times < 1 ? "fades" : found.length > 0 ? "notes" : "clear";
   const closed = folded.value.feel;
   const Icon = verdict === "clear" ? CircleCheck : verdict === "fades" || verdict === "notes" ? TriangleAlert : LoaderCircle;
   return (

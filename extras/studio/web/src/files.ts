@@ -34,13 +34,14 @@ export class Files {
     }
     const [first] = files;
     if (files.length === 1 && first?.name.endsWith(".adaptics") && (await this.takeFrames(first))) return;
+    const replaced = new Map(files.map(({ name }) => [name, this.session.sent.get(name)]));
     await this.send(files);
     const before = project.value;
     if (!before || files.length === 0) return;
     state.chosen.value = undefined;
     const kinds = await Promise.all(files.map(kindOf));
     edit(withFiles(project.peek() ?? before, kinds));
-    this.session.ask(); // a file of the same name may have new contents
+    this.session.hasDropped(replaced);
   }
 
   /** A pattern's key frames become the design's, where they are what a shape's can say; else the page tells why not. @return whether they are */
@@ -89,7 +90,7 @@ export class Files {
 
   /** One that the browser kept, with all its steps. */
   async restore(design: Design): Promise<void> {
-    offered.value = undefined;
+    if (offered.peek()?.id === design.id) offered.value = undefined;
     await this.send(await filesOf(design));
     state.chosen.value = undefined;
     history.value = design.history;
