@@ -139,7 +139,8 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
 }
 
 void Scenes::open(const std::filesystem::path& path) {
-    if (const std::string ending = ending_of(path); ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".xyz") {
+    if (const std::string ending = ending_of(path);
+        ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".xyz") {
         const std::string name = path.filename().string();
         add_file(name, read_file(path));
         const std::lock_guard lock(mutex_);

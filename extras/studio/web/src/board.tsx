@@ -115,6 +115,7 @@ export function Board({ actions }: { actions: Actions }) {
       ) : (
         <>
           <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status?.index !== undefined && `; plays record ${device.status.index}`}{on && state.playsPoint.value !== undefined && `, point ${state.playsPoint.value + 1} of ${scene?.tour.length ?? 0}`}</p>
+          {on && played !== "" && played !== scene?.name && <p class="warning">▲ The design plays as it was before, not as it is shown.</p>}
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>

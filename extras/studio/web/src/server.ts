@@ -78,9 +78,10 @@ export class Server extends Link {
   /** One that was started again has another key, and no attempt helps. */
   private async closed(): Promise<void> {
     this.tell({ t: "lost" });
-    const answer = await fetch("/api/hello", { headers: this.headers(), signal: AbortSignal.timeout(longestPause) }).catch(() => undefined);
-    if (answer?.status === 401) return this.tell({ t: "refused" });
-    setTimeout(() => this.connect(), this.pause);
+    await new Promise((done) => setTimeout(done, this.pause));
     this.pause = Math.min(longestPause, 2 * this.pause);
+    const answer = await fetch("/api/hello", { headers: this.headers(), signal: AbortSignal.timeout(longestPause) }).catch(() => undefined);
+    if (answer?.status === 401) this.tell({ t: "refused" });
+    else this.connect();
   }
 }

@@ -34,7 +34,7 @@ export class Session {
   private readonly skins: Latest<Skin>;
   private readonly comparer: Comparer;
   private asked: { n: number; document: string } | undefined; // scene under way
-  private dropped: { step: Step | undefined; before: Map<string, File | undefined> } | undefined; // files of the last step
+  private dropped: { step: Step | undefined; made: boolean; before: Map<string, File | undefined> } | undefined; // files of the last step
   private analysed: { n: number; scene: string } | undefined; // that was asked for last
   private told = 0; // when the numbers of a slice were shown last
 
@@ -307,9 +307,9 @@ export class Session {
     this.sliced(this.slicer.shown);
   }
 
-  /** The step that has just been made has files that were dropped. @param before  what their names stood for */
-  hasDropped(before: Map<string, File | undefined>): void {
-    this.dropped = { step: present.peek(), before };
+  /** The present step has files that were just dropped. @param before  what their names stood for @param made  whether the step is new */
+  hasDropped(before: Map<string, File | undefined>, made: boolean): void {
+    this.dropped = { step: present.peek(), made, before };
     this.ask(); // a file of the same name may have new contents
   }
 
@@ -325,7 +325,7 @@ export class Session {
       void this.link.sendFile(file).then(() => this.ask(), tell);
     }
     state.failure.value = { ...why, lasts: true };
-    takeBack();
+    if (dropped.made) takeBack();
     this.ask();
     return true;
   }
