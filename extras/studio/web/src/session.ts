@@ -279,6 +279,7 @@ export class Session {
   }
 
   private sceneCame(scene: Scene): void {
+    this.dropped = undefined;
     if (!state.failure.peek()?.lasts) state.failure.value = undefined;
     if (state.scene.peek()?.name !== scene.name) {
       state.analysis.value = undefined;
@@ -316,7 +317,9 @@ export class Session {
   /** What was there before a dropped file that cannot be read comes back; why stays to be read. @return whether it was one */
   private undrop(why: Failure): boolean {
     const { dropped } = this;
-    if (!dropped || dropped.step !== present.peek() || !dropped.before.has(placeOf(why.where).replace(/, line \d+$/, ""))) return false;
+    const name = placeOf(why.where).replace(/, line \d+$/, "");
+    const ofFile = dropped?.before.has(name) || (name.includes(".") && !why.remedies?.length); // or of one that it needs
+    if (!dropped || dropped.step !== present.peek() || !ofFile) return false;
     this.dropped = undefined;
     for (const [name, file] of dropped.before) {
       this.sent.delete(name);
