@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "answers.hpp"
@@ -85,6 +86,7 @@ private:
         bool plays = false;     ///< on a board
         bool borrowed = false;  ///< that is the studio's
         bool ends = false;      ///< it was asked to
+        bool on = false;        ///< it has outputs on
         Child::Command command{};
         std::shared_ptr<TemporaryFolder> folder{};  ///< that it runs in, if it is of its own
         Clock::time_point drawn{};                  ///< when a scene was sent last
@@ -355,7 +357,7 @@ private:
             driver_ = {};
             player_.stop();  // one thing plays at a time, so that one page is watched
         }
-        if (guest_->borrowed) broadcast(device_json());
+        if (guest_->plays) broadcast(device_json());
         tell_guest({{"show", "begun"}, {"n", n}});
     }
 
@@ -376,16 +378,24 @@ private:
     void watch_guest(const ordered_json& shown) {
         if (guest_->live || !guest_->plays || shown["show"] == "note" || shown["show"] == "wrong") return;
         driver_ = {};
-        if (shown["show"] == "ask") drive_for_guest();
+        if (shown["show"] == "ask")
+            drive_for_guest();
+        else
+            tell_guest_on(false);
     }
 
     /// The guest's page keeps the outputs on.
     void drive_for_guest() {
+        tell_guest_on(true);
         const auto visitor = visitors_.find(guest_->page);
         if (visitor == visitors_.end()) return;
         driver_ = guest_->page;
         driver_work_ = 0;  // none of the player's
         visitor->second.sight.seen();
+    }
+
+    void tell_guest_on(bool on) {
+        if (std::exchange(guest_->on, on) != on) broadcast(device_json());
     }
 
     [[nodiscard]] Guest::Settings guest_settings(std::uint64_t number) {
@@ -431,14 +441,14 @@ private:
 
     void guest_ended(std::optional<int> code) {
         tell_guest({{"show", "ended"}, {"code", code ? ordered_json(*code) : ordered_json()}});
-        const bool borrowed = guest_->borrowed;
+        const bool borrowed = guest_->borrowed, plays = guest_->plays;
         if (guest_plays() && driver_ == guest_->page) driver_ = {};
         guest_.reset();
         if (borrowed) {
             state_ = {};
             player_.take_back();
-            broadcast(device_json());
         }
+        if (plays) broadcast(device_json());
         // Its runner turned the outputs off before it ended, but for one that says that nobody confirmed it. Of one
         // that was killed the board's watchdog does it, and nobody says so.
         constexpr int not_confirmed = 4;
@@ -449,11 +459,24 @@ private:
         });
     }
 
-    static void act(Visitor& visitor, const BeatMessage& message) { visitor.sight.beat(message.hidden); }
+    static void act(Visitor& visitor, const BeatMessage& message) {
+        visitor.sight.beat(message.hidden);
+        visitor.page->send(to_text({{"t", "beat"}}));  // the page, too, wants a sign of life
+    }
 
     // The board: what it tells, and what keeps its outputs on.
 
+    /// The one state of the outputs, whoever has them on.
     [[nodiscard]] ordered_json device_json() const {
+        ordered_json json = own_board_json();
+        if (guest_plays()) {
+            json["guest"] = guest_->live ? "live session" : "study";
+            if (guest_->borrowed || guest_->on) json["status"]["outputs"] = guest_->on ? "on" : "off";
+        }
+        return json;
+    }
+
+    [[nodiscard]] ordered_json own_board_json() const {
         if (guest_ && guest_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
         if (!player_.connected()) return {{"t", "device"}, {"connection", "none"}};
         std::uint32_t baud = baud_;

@@ -92,7 +92,7 @@ test("a shape becomes another one at a key frame, and its image is the command l
   const page = await openSite(t);
   const where = await folder(t);
   await page.getByRole("button", { name: "Let it move" }).click();
-  const form = page.getByLabel("It has become", { exact: true });
+  const form = page.getByLabel("Shape here", { exact: true });
   await form.selectOption("square");
   await settled(page);
   await hasValue(form, "2");

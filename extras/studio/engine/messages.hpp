@@ -12,7 +12,8 @@
 //   answer, leave      go to the runner
 //   live               live {shown}: begun, note and ended, and scenes, at most 33 a second
 //   stop               off {n, confirmed}, once the board has confirmed, or after 2 s without its word
-//   modulate, trigger, beat {hidden} (five times a second)    no answer
+//   modulate, trigger  no answer
+//   beat {hidden}      beat; five times a second, so that each side hears of the other
 //
 // Over HTTP, with the token; errors are {"error": {"message"}} with the usual codes:
 //   GET /api/hello                version, first document, lists of shapes, objects, algorithms, arrays, boards, ports

@@ -139,6 +139,16 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
 }
 
 void Scenes::open(const std::filesystem::path& path) {
+    if (const std::string ending = ending_of(path);
+        ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".xyz") {
+        const std::string name = path.filename().string();
+        add_file(name, read_file(path));
+        const std::lock_guard lock(mutex_);
+        first_ = {{"format", "haptogram-project-1"},
+                  {"place", {{"size_mm", 60}, {"center_mm", {0, 0, 130}}}},
+                  {"shape", {{{"file", name}}}}};
+        return;
+    }
     const std::filesystem::path named = project_file(path);
     const std::string text = read_file(named);
     Project project = load_project(path);

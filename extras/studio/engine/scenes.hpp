@@ -73,7 +73,7 @@ public:
     static constexpr std::size_t most_opened = 4;  ///< recordings, and objects that they touch
 
     /// Reads the files of a project or a bundle, so that the page can refer to them by the names that the project has
-    /// for them.
+    /// for them; or the file of a shape, which then begins a project.
     /// @throws Error as load_project() and read_file()
     void open(const std::filesystem::path& project);
     /// The document that a page begins with: the project that was opened, or a hemisphere.

@@ -259,7 +259,7 @@ std::vector<Finding> findings_of(const Loudness& loudness) {
                                              loudness.at_300_mm_db, recommended_for_ears_db)});
     if (loudness.intensity_w_m2 > safe_in_tissue_w_m2)
         found.push_back(
-            {"intense", fmt::format("{:.3g} W/m² {:.0f} mm above the array are more than the {:.0f} W/m² that "
+            {"intense", fmt::format("{:.0f} W/m² {:.0f} mm above the array are more than the {:.0f} W/m² that "
                                     "are known to be safe inside tissue; skin lets 0.1 % in",
                                     loudness.intensity_w_m2, loudness.highest_at_m / millimetre, safe_in_tissue_w_m2)});
     return found;

@@ -11,7 +11,7 @@ import { look, quantities } from "./quantity";
 import type { Session } from "./session";
 import { evenly, farthest, type Sample, smoothed } from "./stroke";
 import { readsLines } from "./triggers";
-import { type Actions, boardOf, noProgram, shownRecord, state, tell } from "./state";
+import { type Actions, boardOf, made, noProgram, shownRecord, state, tell } from "./state";
 
 const linePlaces = 200; // that a drawn line is passed at
 
@@ -55,7 +55,7 @@ export function actionsOf(session: Session, link: Link): Actions {
       await designs.saved().then(({ blob, name }) => save(blob, name)).catch(tell);
     },
     play() {
-      const scene = state.scene.value;
+      const scene = made.value;
       if (!scene) return;
       if (state.device.value.connection === "none") {
         state.playsNext.value = true;
@@ -70,15 +70,15 @@ export function actionsOf(session: Session, link: Link): Actions {
     frame: () => session.view?.frameAll(),
     send: (t, members = {}) => void link.send({ t, ...members }),
     async take(as) {
-      const scene = state.scene.value;
+      const scene = made.value;
       if (scene) await during(state.writing, async () => save(await link.take(scene.name, as), filesOfScene[as]));
     },
     async takeBitstream(autostart) {
-      const [scene, board] = [state.scene.value, boardOf(project.value)];
+      const [scene, board] = [made.value, boardOf(project.value)];
       if (scene && board) await during(state.writing, async () => save(await link.bitstream(scene.name, autostart), board.bitstream));
     },
     async copyMethods() {
-      const scene = state.scene.value;
+      const scene = made.value;
       if (scene) await link.take(scene.name, "methods").then(async (file) => navigator.clipboard.writeText(await file.text())).catch(tell);
     },
     async renderHand(what) {
@@ -92,7 +92,7 @@ export function actionsOf(session: Session, link: Link): Actions {
       });
     },
     async takeField(as) {
-      const scene = state.scene.value;
+      const scene = made.value;
       const { field } = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value);
       if (!scene || !field) return;
       const { command: quantity } = quantities[look.value.quantity];
@@ -151,7 +151,7 @@ export function actionsOf(session: Session, link: Link): Actions {
     simulate: (on) => (on ? session.pins.simulate() : session.pins.cancel()),
     showPulses: (periods) => session.pins.show(periods),
     keep(on) {
-      const [scene, document] = [state.scene.value, project.value];
+      const [scene, document] = [made.value, project.value];
       if (!on) actions.showKept(false);
       state.kept.value = on && scene && document ? { document, scene, drawn: state.object.value } : undefined;
     },
@@ -171,7 +171,7 @@ export function actionsOf(session: Session, link: Link): Actions {
     live(from) {
       if (state.device.value.connection === "connected") return session.live.begin(from);
       state.livesNext.value = from;
-      link.send({ t: "connect", port: "virtual", scene: state.scene.value?.name ?? "" });
+      link.send({ t: "connect", port: "virtual", scene: made.value?.name ?? "" });
     },
     stop: () => link.stop(),
     beginStudy: (choice) => session.study.begin(choice),

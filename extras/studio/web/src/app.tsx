@@ -11,7 +11,7 @@ import { takeDrops } from "./dropping";
 import { Feel } from "./feel";
 import { Gallery } from "./gallery";
 import { HandReport } from "./hand";
-import { offered } from "./keeper";
+import { leave, offered } from "./keeper";
 import type { Link, Outline, Point } from "./link";
 import { Live } from "./live";
 import { Bar, Failed, Numbers, ScaleBar, SliceControls, Status, TakeAway } from "./panels";
@@ -23,7 +23,7 @@ import { Session } from "./session";
 import { Drawing } from "./path";
 import { Properties, Subject } from "./shape";
 import { Splitter } from "./splitter";
-import { type Actions, boards, shownRecord, state, tell } from "./state";
+import { type Actions, boards, made, shownRecord, state, tell } from "./state";
 import { readPathFile } from "./stroke";
 import { StudyPage } from "./study";
 import { Surfaces } from "./surface";
@@ -53,10 +53,11 @@ export function start(link: Link): void {
     host.classList.toggle("studying", state.studying.value);
     host.classList.toggle("no-left", left);
     host.classList.toggle("no-right", right);
+    host.classList.toggle("old", state.refused.value !== undefined || state.engine.value !== "here");
   });
   const place = document.getElementById("view");
   if (place) {
-    effect(() => place.setAttribute("aria-busy", String(!state.current.value || state.slicing.value)));
+    effect(() => place.setAttribute("aria-busy", String(!(state.current.value || state.refused.value) || state.slicing.value)));
     try {
       session.view = viewIn(place, session);
     } catch (error) {
@@ -71,6 +72,7 @@ export function start(link: Link): void {
   effect(() => {
     if (project.value === undefined) return;
     state.current.value = false;
+    state.refused.value = undefined;
     session.ask();
   });
   effect(() => {
@@ -82,9 +84,9 @@ export function start(link: Link): void {
   });
   effect(() => {
     const { connection } = state.device.value;
-    if (!state.playsNext.value || !state.scene.value || !state.current.value) return;
-    if (connection === "lost") state.playsNext.value = false;
-    if (connection !== "connected") return;
+    if (!state.playsNext.value) return;
+    if (connection === "lost" || state.refused.value) state.playsNext.value = false;
+    if (connection !== "connected" || !made.value) return;
     state.playsNext.value = false;
     actions.play();
   });
@@ -95,6 +97,7 @@ export function start(link: Link): void {
 
 function takeKeys(actions: Actions): void {
   const noPlay = (): void => {
+    state.stopping.value = boards.value !== "none";
     state.playsNext.value = false; // whatever was to come, STOP comes first
     state.livesNext.value = undefined;
   };
@@ -176,7 +179,7 @@ function Restore({ actions }: { actions: Actions }) {
       {design && (
         <p class="card" role="status">
           “{design.name}” of {new Date(design.when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })} was not saved as a file.{" "}
-          <button type="button" class="primary" onClick={() => void actions.restore(design)}>Restore it</button> <button type="button" onClick={() => (offered.value = undefined)}>Leave it</button>
+          <button type="button" class="primary" onClick={() => void actions.restore(design)}>Restore it</button> <button type="button" onClick={leave}>Leave it</button>
         </p>
       )}
       {state.hints.value && (

@@ -4,30 +4,38 @@ import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
 import { project } from "./document";
 import type { Device } from "./link";
-import { type Actions, boards, noProgram, state } from "./state";
+import { type Actions, boards, made, noProgram, outputsOn, state, whyNotMade } from "./state";
 import { Firing } from "./triggers";
 
 function boardWords(device: Device): string {
+  if (state.engine.value === "silent") return "No answer: outputs unknown";
+  if (state.engine.value === "gone") return noProgram.value ? "The page's engine is gone" : "The server is gone";
+  if (state.stopping.value) return "Stopping…";
+  const outputs = `outputs ${outputsOn.value ? "ON" : "off"}`;
+  if (device.guest && device.connection !== "lent" && outputsOn.value) return `The board of the ${device.guest}, ${outputs}`;
   if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
   const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
-  if (device.connection === "lent") return `${name}, lent to ${state.live.value?.now === "ended" || !state.live.value ? "the study" : "the live session"}`;
+  if (device.connection === "lent") return `${name}, lent to the ${device.guest ?? "session"}, ${outputs}`;
   if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
-  const status = device.status;
-  return `${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;
+  const { mode = "idle" } = device.status ?? {};
+  return `${name}, ${outputs}${mode === "idle" ? "" : `, ${mode}`}`;
 }
 
-/** The bar at the top and the window's title say what the board does. */
+/** The bar at the top and the window's title say what the board does. They are read aloud when they change, so they change seldom. */
 export function tellBoard(): void {
   const device = state.device.value;
-  const on = device.status?.outputs === "on";
-  const words = document.getElementById("board");
-  if (words) {
-    words.textContent = boardWords(device);
-    words.classList.toggle("on", on);
-    words.classList.toggle("ready", device.connection === "connected" && !on);
+  const on = outputsOn.value === true;
+  const place = document.getElementById("board");
+  const words = boardWords(device);
+  if (place) {
+    if (place.textContent !== words) place.textContent = words;
+    place.classList.toggle("on", on);
+    place.classList.toggle("unknown", outputsOn.value === undefined);
+    place.classList.toggle("ready", device.connection === "connected" && outputsOn.value === false);
   }
   document.body.classList.toggle("outputs-on", on);
-  document.title = on ? "● Outputs on: Haptogram studio" : "Haptogram studio";
+  const title = `${on ? "● Outputs on: " : outputsOn.value === undefined ? "▲ Outputs unknown: " : ""}Haptogram studio`;
+  if (document.title !== title) document.title = title;
 }
 
 interface Reach {
@@ -51,7 +59,7 @@ function OwnPorts({ actions, baud, known }: Reach) {
 
 /** Boards that the program reaches. */
 function ProgramsBoards({ actions, baud, known }: Reach) {
-  const scene = state.scene.value;
+  const scene = made.value;
   const [port, setPort] = useState("");
   const id = useId();
   return (
@@ -72,7 +80,7 @@ function ProgramsBoards({ actions, baud, known }: Reach) {
 
 export function Board({ actions }: { actions: Actions }) {
   const device = state.device.value;
-  const scene = state.scene.value;
+  const scene = made.value;
   const work = state.work.value;
   const [rate, setRate] = useState("find");
   const baud = rate === "find" || rate === "" ? 0 : Number(rate);
@@ -80,16 +88,17 @@ export function Board({ actions }: { actions: Actions }) {
   const id = useId();
   const connected = device.connection === "connected";
   const busy = work?.t === "progress";
-  const on = device.status?.outputs === "on";
-  const ready = connected && scene !== undefined && state.current.value && !busy;
+  const on = outputsOn.value === true;
+  const ready = connected && scene !== undefined && !busy;
   const played = state.played.value;
-  const another = busy && work?.work === "play" && work.stage === "play" && scene !== undefined && state.current.value && played !== "" && played !== scene.name;
+  const another = busy && work?.work === "play" && work.stage === "play" && scene !== undefined && played !== "" && played !== scene.name;
   const modulate = (): void => {
     actions.send("modulate", { scene: scene?.name ?? "" });
     state.played.value = scene?.name ?? "";
   };
   return (
     <Panel title="Board">
+      {whyNotMade.value && <p class="warning">▲ {whyNotMade.value}</p>}
       {boards.value === "none" ? (
         <>
           <p class="hint">This browser lets no page use serial ports; Chrome, Edge and Chromium on a computer do. Open this page there, with a board at a USB port.</p>
@@ -105,7 +114,8 @@ export function Board({ actions }: { actions: Actions }) {
         </>
       ) : (
         <>
-          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status && `; plays record ${device.status.index}`}{on && state.playsPoint.value !== undefined && `, point ${state.playsPoint.value + 1} of ${scene?.tour.length ?? 0}`}</p>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status?.index !== undefined && `; plays record ${device.status.index}`}{on && state.playsPoint.value !== undefined && `, point ${state.playsPoint.value + 1} of ${scene?.tour.length ?? 0}`}</p>
+          {on && played !== "" && played !== scene?.name && <p class="warning">▲ The design plays as it was before, not as it is shown.</p>}
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>

@@ -22,9 +22,11 @@ function takeToken(): string {
 }
 
 const banner = element("banner");
-function show(message: string): void {
-  banner.textContent = message;
-  banner.hidden = message === "";
+const told = { link: "", stop: "" };
+function show(message: string, of: keyof typeof told = "link"): void {
+  told[of] = message;
+  banner.textContent = [told.link, told.stop].filter(Boolean).join(" ");
+  banner.hidden = banner.textContent === "";
 }
 
 /** A page of a static site has its engine with it; one that the program serves has the program. */
@@ -43,10 +45,15 @@ function begin(link: Link): void {
   );
 }
 
+const notOff = "STOP was not confirmed: nobody has said that the outputs are off. The board's watchdog should have done it; to be sure, switch its power off.";
+const stopPatience = 2500; // ms, a little more than the engine's own
+
 /** STOP, and what a board says of its outputs. */
 function takeStop(link: Link): void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
   const stop = (): void => {
     element("board").textContent = "Stopping…";
+    timer ??= setTimeout(() => show(notOff, "stop"), stopPatience);
     link.stop();
   };
   element("stop").addEventListener("click", stop);
@@ -54,8 +61,11 @@ function takeStop(link: Link): void {
     if (event.key === "Escape") stop();
   });
   link.listen((event) => {
-    if (event.t === "off" && !event.confirmed)
-      show("The board has not confirmed that its outputs are off. Its watchdog should have done it; to be sure, switch its power off.");
+    if (event.t === "off") {
+      clearTimeout(timer);
+      timer = undefined;
+      show(event.confirmed ? "" : notOff, "stop");
+    }
     if (event.t === "notice") show(event.message);
   });
 }
@@ -63,10 +73,11 @@ function takeStop(link: Link): void {
 function beginWithServer(link: Link): void {
   takeStop(link);
   link.listen((event) => {
-    if (event.t === "open") show("");
+    if (event.t === "open" || event.t === "answers") show("");
+    if (event.t === "silent") show("The server does not answer, so what stands here is old. If a board plays, switch its power off: STOP may not reach it.");
     if (event.t === "lost")
       show("The server is gone. If the board was playing, its watchdog has turned the outputs off. Trying to reach it again…");
-    if (event.t === "refused") show("The server does not take this page's key: open the address that “haptogram studio” printed last.");
+    if (event.t === "refused") show("The server was started again and does not take this page's key: open the address that “haptogram studio” printed last. It offers the design that was open.");
   });
   begin(link);
 }

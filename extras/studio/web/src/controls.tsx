@@ -46,7 +46,7 @@ function NumberInput({ id, label, axis, unit, value, step = 1, least, most, whol
     }
     const number = numberOf(given, unit);
     if (number === undefined || (whole && !Number.isInteger(number)) || (least !== undefined && number < least) || (most !== undefined && number > most))
-      return onWrong(`${label}: “${given}” is no ${whole ? "whole " : ""}number${limits === "" ? "" : ` of ${limits}`}${unit === "" ? "" : ` ${unit}`}; ${shown === "" ? "it stays empty" : `${shown} stays`}.`);
+      return onWrong(`${label}: “${given}” is no ${whole ? "whole " : ""}number${limits === "" ? "" : ` of ${limits}${unit && ` ${unit}`}`}; ${shown === "" ? "it stays empty" : `${shown} stays`}.`);
     onWrong("");
     if (number !== value) onValue(number);
     else setText(shown);

@@ -111,7 +111,8 @@ export interface History {
 const mostSteps = 500;
 export const history = signal<History>({ steps: [], at: -1 });
 
-const present = computed(() => history.value.steps[history.value.at]);
+/** The step that is shown. */
+export const present = computed(() => history.value.steps[history.value.at]);
 export const project = computed(() => present.value?.document);
 export const designName = computed(() => present.value?.name ?? "");
 export const canUndo = computed(() => history.value.at > 0);
@@ -157,6 +158,13 @@ export function endGesture(): void {
 export function undo(): void {
   underWay = undefined;
   if (canUndo.peek()) history.value = { ...history.peek(), at: history.peek().at - 1 };
+}
+
+/** The last step was none. */
+export function takeBack(): void {
+  underWay = undefined;
+  const { steps, at } = history.peek();
+  if (at > 0) history.value = { steps: steps.slice(0, at), at: at - 1 };
 }
 
 export function redo(): void {

@@ -66,8 +66,9 @@ function withPlayed(document: ProjectDocument, files: Dropped[], first: (...kind
   const shapes = files.filter(({ kind }) => kind === "mesh" || kind === "cloud");
   if (shapes.length === 0) return document;
   const place = { size_mm: 60, center_mm: [0, 0, 130], ...document.place };
-  const { hand: _, path: __, ...rest } = document;
-  return { ...rest, place, shape: shapes.map(({ name }) => ({ file: name })) };
+  const { hand: _, path: __, keyframe, ...rest } = document;
+  const moved = keyframe && { keyframe: keyframe.map(({ shape: _, ...frame }) => frame) }; // they become none of the old shapes
+  return { ...rest, ...moved, place, shape: shapes.map(({ name }) => ({ file: name })) };
 }
 
 /** Lets files be dropped anywhere on the page. */

@@ -66,7 +66,7 @@ const verdicts: Record<Verdict, (scene: Scene | undefined, found: number) => str
 
 export function Feel({ actions }: { actions: Actions }) {
   const { scene, analysis, current, folded } = state;
-  const now = scene.value;
+  const now = state.refused.value ? undefined : scene.value;
   const found = now ? analysis.value?.findings ?? now.findings : [];
   const felt = now && analysis.value ? feltOf(now, analysis.value) : undefined;
   const verdict: Verdict = !now ? "nothing" : !analysis.value || !current.value ? "looking" : felt && felt.weakest.times < 1 ? "fades" : found.length > 0 ? "notes" : "clear";

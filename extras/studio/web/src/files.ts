@@ -34,13 +34,16 @@ export class Files {
     }
     const [first] = files;
     if (files.length === 1 && first?.name.endsWith(".adaptics") && (await this.takeFrames(first))) return;
+    const named = JSON.stringify(project.peek() ?? {});
+    const replaced = new Map(await Promise.all(files.map(async ({ name }) => [name, named.includes(JSON.stringify(name)) ? await this.fileOf(name) : this.session.sent.get(name)] as const)));
     await this.send(files);
     const before = project.value;
     if (!before || files.length === 0) return;
     state.chosen.value = undefined;
     const kinds = await Promise.all(files.map(kindOf));
+    const steps = history.peek();
     edit(withFiles(project.peek() ?? before, kinds));
-    this.session.ask(); // a file of the same name may have new contents
+    this.session.hasDropped(replaced, steps !== history.peek());
   }
 
   /** A pattern's key frames become the design's, where they are what a shape's can say; else the page tells why not. @return whether they are */
@@ -89,7 +92,7 @@ export class Files {
 
   /** One that the browser kept, with all its steps. */
   async restore(design: Design): Promise<void> {
-    offered.value = undefined;
+    if (offered.peek()?.id === design.id) offered.value = undefined;
     await this.send(await filesOf(design));
     state.chosen.value = undefined;
     history.value = design.history;
@@ -102,10 +105,15 @@ export class Files {
     const document = project.peek();
     if (!document) throw new Error("There is nothing to save yet.");
     const { text, files } = await this.link.writeProject(document);
-    const all = await Promise.all(files.map(async (name) => this.session.sent.get(name) ?? new File([await this.link.file(name)], name)));
+    const all = await Promise.all(files.map(async (name) => await this.fileOf(name)));
     const blob = await pack({ text, files: all });
     markSaved();
     return { blob, name: `${designName.peek()}${bundle}` };
+  }
+
+  /** One that was sent, or that the project has. */
+  private async fileOf(name: string): Promise<File> {
+    return this.session.sent.get(name) ?? new File([await this.link.file(name)], name);
   }
 
   private async send(files: File[]): Promise<void> {

@@ -14,10 +14,12 @@ export interface Design {
   saved: boolean;
 }
 
-const mostDesigns = 12;
+const mostDesigns = 12; // that files have, too
+const mostUnsaved = 50;
 const mostSteps = 100; // of each
 const pause = 300; // ms after an edit
 const tab = "design"; // what a tab was working on when it was loaded again
+const left = "left"; // what this tab was offered and did not want
 
 const designKey = (id: string): string => `design ${id}`;
 const filesKey = (id: string): string => `files ${id}`; // apart, so that an edit need not write them again
@@ -36,18 +38,39 @@ export async function begin(files: () => File[], tell: (error: unknown) => void)
   try {
     found = before ? await get<Design>(designKey(before)) : undefined;
     await list();
-    if (!found) offered.value = designs.peek().find(({ saved }) => !saved);
+    offered.value = designs.peek().find(({ id, saved }) => !saved && id !== before && id !== sessionStorage.getItem(left));
   } catch (error) {
     tell(new Error(`The browser keeps nothing of this page, so save your work as files: ${String(error)}`));
     return undefined;
   }
   let timer: ReturnType<typeof setTimeout> | undefined;
+  let waits: { id: string | undefined; keep: () => void } | undefined;
+  const flush = (): void => {
+    clearTimeout(timer);
+    waits?.keep();
+    waits = undefined;
+  };
   effect(() => {
     const now = history.value, saved = isSaved.value;
+    const id = now.steps[now.at]?.id;
+    if (waits && waits.id !== id) flush(); // before another design takes its place
     clearTimeout(timer);
-    if (canUndo.value) timer = setTimeout(() => void keep(now, saved, files()).catch(tell), pause);
+    waits = undefined;
+    if (!canUndo.value) return;
+    waits = { id, keep: () => void keep(now, saved, files()).catch((error: unknown) => tell(noRoom(error))) };
+    timer = setTimeout(flush, pause);
   });
+  addEventListener("pagehide", flush);
   return found;
+}
+
+const noRoom = (error: unknown): unknown =>
+  error instanceof DOMException && error.name === "QuotaExceededError" ? new Error("The browser has no room left to keep this design: save it as a bundle, or it is lost with this page.") : error;
+
+/** What was offered stays where it is, and is not offered to this tab again. */
+export function leave(): void {
+  sessionStorage.setItem(left, offered.peek()?.id ?? "");
+  offered.value = undefined;
 }
 
 /** What a design has beside its steps. */
@@ -70,6 +93,8 @@ async function keep({ steps, at }: History, saved: boolean, files: File[]): Prom
 
 async function list(): Promise<void> {
   const all = (await entries<string, Design>()).filter(([key]) => key.startsWith(designKey(""))).map(([, design]) => design).sort((a, b) => b.when - a.when);
-  await delMany(all.slice(mostDesigns).flatMap(({ id }) => [designKey(id), filesKey(id)]));
-  designs.value = all.slice(0, mostDesigns);
+  // What no file has outlives what was looked at behind it.
+  const kept = new Set([...all.filter(({ saved }) => saved).slice(0, mostDesigns), ...all.filter(({ saved }) => !saved).slice(0, mostUnsaved)]);
+  await delMany(all.filter((design) => !kept.has(design)).flatMap(({ id }) => [designKey(id), filesKey(id)]));
+  designs.value = all.filter((design) => kept.has(design));
 }

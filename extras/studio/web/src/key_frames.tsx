@@ -119,7 +119,7 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
         <button type="button" onClick={add} aria-label="Add a key frame after this one">+</button>
       </div>
       {at > 0 && <NumberField label="At" unit="s" value={frame.time_s} step={0.1} least={least} most={most} onValue={(time_s) => change({ time_s: rounded(time_s) })} />}
-      <Choice label="It has become" value={String(frame.shape ?? "")} choices={formsFor(now, state.hello.value?.primitives ?? [])} onValue={become} />
+      <Choice label="Shape here" value={String(frame.shape ?? "")} choices={formsFor(now, state.hello.value?.primitives ?? [])} onValue={become} />
       <PointField label="Moved by" each="Moved by" unit="mm" value={frame.move_mm ?? [0, 0, 0]} onValue={(move_mm) => change({ move_mm })} />
       <NumberField label="Grown to" unit="×" value={frame.scale ?? 1} step={0.1} least={0.01} most={100} onValue={(scale) => change({ scale })} />
       <PointField label="Turned by" each="Turned by" unit="°" step={5} value={frame.rotate_deg ?? [0, 0, 0]} onValue={(rotate_deg) => change({ rotate_deg })} />

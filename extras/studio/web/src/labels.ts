@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the page calls the keys of a design, on its fields and where a failure is about one.
+import type { Failure } from "./link";
+
 export const labels = {
   points: "Focal points", rate_hz: "Passes a second", speed_m_s: "Speed", frequency_hz: "Drawings a second", even: "All points feel alike",
   am: "Modulation", amplitude: "Amplitude", fade: "Strongest", loops: "Passes in all", array: "Array", board: "For board",
@@ -14,4 +16,19 @@ export function labelOf(name: string): string | undefined {
   if (name === "project") return "The design";
   const key = others[name] ?? name;
   return Object.hasOwn(labels, key) ? labels[key as keyof typeof labels] : undefined;
+}
+
+/** Where a failure is, in the page's words: a label, or a file's name, without the folders of this machine. */
+export function placeOf(where: string): string {
+  const [, place = "", line] = where.match(/^(.*?)(?::(\d+))?$/) ?? [];
+  const known = labelOf(place.replace(/^-+/, ""));
+  if (known !== undefined) return known;
+  const name = place.startsWith("/dev/") ? place : place.slice(place.lastIndexOf("/") + 1);
+  return line === undefined ? name : `${name}, line ${line}`;
+}
+
+/** The same folder may stand in the words, too. */
+export function wordsOf({ where, message }: Failure): string {
+  const folder = where.startsWith("/") && !where.startsWith("/dev/") ? where.slice(0, where.lastIndexOf("/") + 1) : "";
+  return folder.length > 1 ? message.replaceAll(folder, "") : message;
 }

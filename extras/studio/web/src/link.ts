@@ -158,16 +158,21 @@ export interface Failure {
   message: string;
   /** settings that could mend it */
   remedies?: string[];
+  /** It is not of the document shown, so it stays when the next scene has come. */
+  lasts?: boolean;
 }
 
 export interface Device {
   t: "device";
   connection: "none" | "connecting" | "connected" | "lost" | "lent";
+  /** What has a board of its own, or this one, meanwhile. */
+  guest?: "live session" | "study";
   port?: string;
   baud?: number;
   intensity?: number;
   identity?: { name: string; channels: number; records: number };
-  status?: { outputs: "on" | "off"; mode: string; index: number; watchdog_trips: number; underruns: number };
+  /** whoever has them on, `outputs` tells; the rest is of the connected board */
+  status?: { outputs: "on" | "off"; mode?: string; index?: number };
   trouble?: string;
 }
 
@@ -286,6 +291,10 @@ export type Event =
   | { t: "open" }
   | { t: "lost" }
   | { t: "refused" }
+  /** It does not answer; it does again. */
+  | { t: "silent" }
+  | { t: "answers" }
+  | { t: "beat" }
   | { t: "scene"; n: number; scene: Scene }
   | { t: "slice"; slice: SliceData }
   | ({ t: "drives"; n: number } & Drives)

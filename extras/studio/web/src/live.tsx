@@ -6,7 +6,7 @@ import { Choice, Panel, Row } from "./controls";
 import { project } from "./document";
 import { medianOf, wordsOf } from "./live_reader";
 import { short } from "./quantity";
-import { type Actions, type LiveSession, noProgram, state } from "./state";
+import { type Actions, type LiveSession, made, noProgram, state } from "./state";
 
 interface WithActions {
   actions: Actions;
@@ -36,7 +36,7 @@ function Begin({ actions, again }: WithActions & { again: boolean }) {
         <button type="button" class="wide" onClick={() => void actions.openShipped("touch", "Touched ball")}>Begin with a ball</button>
       </>
     );
-  const ready = !playing && pipe !== "" && (connection === "connected" || (connection === "none" && state.scene.value !== undefined));
+  const ready = !playing && pipe !== "" && (connection === "connected" || (connection === "none" && made.value !== undefined));
   return (
     <>
       <Choice label="Hand from" value={pipe === undefined ? "recording" : "pipe"} choices={[["recording", hand.recording], ["pipe", "a tracker at a named pipe"]]} onValue={(value) => setPipe(value === "pipe" ? "" : undefined)} />

@@ -6,10 +6,10 @@ import { NeedsProgram } from "./board";
 import { commands } from "./commands";
 import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
 import { designName, edit, having, project } from "./document";
-import { labelOf } from "./labels";
-import type { Failure, Point, SliceData } from "./link";
+import { placeOf, wordsOf } from "./labels";
+import type { Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
-import { type Actions, boardOf, type Handles, noProgram, shownRecord, state } from "./state";
+import { type Actions, boardOf, type Handles, made, noProgram, shownRecord, state, whyNotMade } from "./state";
 import type { Orientation } from "./view";
 
 interface WithActions {
@@ -19,12 +19,13 @@ interface WithActions {
 const fieldFiles = ["png", "csv", "npy", "vti"] as const;
 
 export function TakeAway({ actions }: WithActions) {
-  const ready = state.scene.value !== undefined && state.current.value;
+  const ready = made.value !== undefined;
   const board = boardOf(project.value);
   const told = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value, board);
   return (
     <Panel title="Take away">
       <button type="button" class="wide" onClick={() => void actions.saveBundle()}>Bundle (.haptogram)</button>
+      {whyNotMade.value && <p class="warning">▲ {whyNotMade.value}</p>}
       <div class="buttons">
         <button type="button" disabled={!ready} onClick={() => void actions.take("hex")}>Image (.hex)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>
@@ -146,11 +147,11 @@ export function Bar() {
   return (
     <figure class="bar">
       <figcaption>{name}, {unit}</figcaption>
-      <svg width="188" height="8" role="img" aria-label="Colours from low to high">
+      <svg viewBox="0 0 188 8" preserveAspectRatio="none" role="img" aria-label="Colours from low to high">
         <defs><linearGradient id="colours">{map.map((colour, i) => <stop key={i} offset={i / (map.length - 1)} stop-color={colour} />)}</linearGradient></defs>
         <rect width="188" height="8" rx="2" fill="url(#colours)" />
       </svg>
-      <ol>{[0, 0.25, 0.5, 0.75, 1].map((part) => <li key={part}>{short(valueOnScale(part, look.value, upper, slice.skinPerSquare))}</li>)}</ol>
+      <ol>{[0, 0.25, 0.5, 0.75, 1].map((part) => <li key={part} style={{ left: `${100 * part}%`, transform: `translateX(-${part === 0 ? 0 : part === 1 ? 100 : 50}%)` }}>{short(valueOnScale(part, look.value, upper, slice.skinPerSquare))}</li>)}</ol>
       {slice.greatest > 1.001 * upper && <p class="warning">Hatched: above the top.</p>}
       {probe && <p class="probe">{short(valueOf(probe.square, quantity, upper, slice.skinPerSquare))} {unit} at {probe.at.map((each) => each.toFixed(1)).join(", ")} mm</p>}
     </figure>
@@ -165,21 +166,6 @@ export function ScaleBar() {
   return <p class="scale"><span>{length} mm</span><i style={{ width: `${Math.round(length / mm)}px` }} /></p>;
 }
 
-/** Where a failure is, in the page's words: a label, or a file's name, without the folders of this machine. */
-function placeOf(where: string): string {
-  const [, place = "", line] = where.match(/^(.*?)(?::(\d+))?$/) ?? [];
-  const known = labelOf(place.replace(/^-+/, ""));
-  if (known !== undefined) return known;
-  const name = place.startsWith("/dev/") ? place : place.slice(place.lastIndexOf("/") + 1);
-  return line === undefined ? name : `${name}, line ${line}`;
-}
-
-/** The same folder may stand in the words, too. */
-function wordsOf({ where, message }: Failure): string {
-  const folder = where.startsWith("/") && !where.startsWith("/dev/") ? where.slice(0, where.lastIndexOf("/") + 1) : "";
-  return folder.length > 1 ? message.replaceAll(folder, "") : message;
-}
-
 export function Failed() {
   const failure = state.failure.value;
   if (!failure) return null;
@@ -188,12 +174,12 @@ export function Failed() {
 }
 
 export function Status() {
-  const { slice, scene, current } = state;
-  const words = !current.value ? "Compiling…" : !scene.value ? `${designName.value}: no image` : `${designName.value}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
+  const { slice, scene, current, refused } = state;
+  const words = refused.value ? whyNotMade.value : !current.value ? "Compiling…" : !scene.value ? `${designName.value}: no image` : `${designName.value}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
   return (
     <footer>
       <span>{words}</span>
-      {slice.value && <span>slice {slice.value.width} × {slice.value.height}, computed in {short(slice.value.tookMs)} ms, here after {short(state.latencyMs.value)} ms</span>}
+      {slice.value && !refused.value && <span>slice {slice.value.width} × {slice.value.height}, computed in {short(slice.value.tookMs)} ms, here after {short(state.latencyMs.value)} ms</span>}
       <span>Haptogram {state.hello.value?.version}</span>
     </footer>
   );

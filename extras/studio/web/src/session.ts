@@ -2,18 +2,19 @@
 // What the page has under way with the server: asks for the scene of the newest document and for what is shown of it, and
 // puts the answers into the state and into the view.
 import { Comparer } from "./comparer";
-import { history, project, type ProjectDocument } from "./document";
+import { history, present, project, type ProjectDocument, type Step, takeBack } from "./document";
 import { openFirst } from "./files";
 import { begin as keep, type Design } from "./keeper";
 import { HandReader, type HandShown } from "./hand_reader";
 import { Latest } from "./latest";
 import { LiveReader } from "./live_reader";
-import type { Device, Event, Link, Scene } from "./link";
+import { placeOf } from "./labels";
+import type { Device, Event, Failure, Link, Scene } from "./link";
 import { PinReader } from "./pin_reader";
 import { look } from "./quantity";
 import type { Skin } from "./skin";
 import { Slicer } from "./slicer";
-import { shownRecord, state, tell } from "./state";
+import { made, shownRecord, state, tell } from "./state";
 import { StudyReader } from "./study_reader";
 import { Runner } from "./timeline";
 import type { View } from "./view";
@@ -33,6 +34,7 @@ export class Session {
   private readonly skins: Latest<Skin>;
   private readonly comparer: Comparer;
   private asked: { n: number; document: string } | undefined; // scene under way
+  private dropped: { step: Step | undefined; made: boolean; before: Map<string, File | undefined> } | undefined; // files of the last step
   private analysed: { n: number; scene: string } | undefined; // that was asked for last
   private told = 0; // when the numbers of a slice were shown last
 
@@ -110,7 +112,7 @@ export class Session {
 
   /** Plays the marked entry on the board. */
   stream(): void {
-    const scene = state.scene.value;
+    const scene = made.value;
     const entry = scene?.tour[state.at.value ?? -1];
     if (scene && entry) this.link.send({ t: "stream", scene: scene.name, index: entry.index });
   }
@@ -189,11 +191,12 @@ export class Session {
   }
 
   /** @return whether it was the scene, or the failure, that is waited for */
-  private sceneEnded(n: number | undefined): boolean {
+  private sceneEnded(n: number | undefined, failure?: Failure): boolean {
     if (!this.asked || this.asked.n !== n) return false;
     const changed = this.asked.document !== JSON.stringify(project.value);
     this.asked = undefined;
-    state.current.value = !changed;
+    state.current.value = !changed && !failure;
+    state.refused.value = changed ? undefined : failure;
     if (changed) this.ask();
     return true;
   }
@@ -222,13 +225,19 @@ export class Session {
   private take(event: Event): void {
     if (this.hands.take(event)) return;
     if (event.t === "open") {
+      state.engine.value = "here";
       this.asked = undefined;
       this.analysed = undefined;
       for (const reader of [this.slicer, this.skins, this.drives, this.comparer, this.pins, this.study, this.live, this.hands]) reader.lose();
       this.begin();
+    } else if (event.t === "silent" || event.t === "answers") {
+      state.engine.value = event.t === "silent" ? "silent" : "here";
     } else if (event.t === "lost") {
+      state.engine.value = "gone";
       state.device.value = { t: "device", connection: "none" };
       state.work.value = undefined;
+      state.stopping.value = state.playsNext.value = false;
+      state.livesNext.value = undefined;
     } else if (event.t === "scene") {
       if (!this.comparer.sceneCame(event.n) && this.sceneEnded(event.n)) this.sceneCame(event.scene);
     } else if (event.t === "object") {
@@ -248,7 +257,7 @@ export class Session {
       if (skin) this.skinCame(skin, event.slice.values);
       else if (!this.comparer.take(event.slice) && this.slicer.take(event.slice)) this.sliceCame(event.slice);
     } else if (event.t === "off") {
-      state.playsNext.value = false;
+      state.stopping.value = state.playsNext.value = false;
       state.livesNext.value = undefined;
     } else if (event.t === "device") {
       state.device.value = event;
@@ -270,7 +279,8 @@ export class Session {
   }
 
   private sceneCame(scene: Scene): void {
-    state.failure.value = undefined;
+    this.dropped = undefined;
+    if (!state.failure.peek()?.lasts) state.failure.value = undefined;
     if (state.scene.peek()?.name !== scene.name) {
       state.analysis.value = undefined;
       this.analysed = undefined;
@@ -298,6 +308,31 @@ export class Session {
     this.sliced(this.slicer.shown);
   }
 
+  /** The present step has files that were just dropped. @param before  what their names stood for @param made  whether the step is new */
+  hasDropped(before: Map<string, File | undefined>, made: boolean): void {
+    this.dropped = { step: present.peek(), made, before };
+    this.ask(); // a file of the same name may have new contents
+  }
+
+  /** What was there before a dropped file that cannot be read comes back; why stays to be read. @return whether it was one */
+  private undrop(why: Failure): boolean {
+    const { dropped } = this;
+    const name = placeOf(why.where).replace(/, line \d+$/, "");
+    const ofFile = dropped?.before.has(name) || (name.includes(".") && !why.remedies?.length); // or of one that it needs
+    if (!dropped || dropped.step !== present.peek() || !ofFile) return false;
+    this.dropped = undefined;
+    for (const [name, file] of dropped.before) {
+      this.sent.delete(name);
+      if (!file) continue;
+      this.sent.set(name, file);
+      void this.link.sendFile(file).then(() => this.ask(), tell);
+    }
+    state.failure.value = { ...why, lasts: true };
+    if (dropped.made) takeBack();
+    this.ask();
+    return true;
+  }
+
   private failed(event: Extract<Event, { t: "failed" }>): void {
     const { n, error } = event;
     if (this.study.fail(n, error) || this.live.fail(n, error)) return;
@@ -305,11 +340,15 @@ export class Session {
     if (frame === "older" || frame === "path") return;
     if (frame) {
       this.dropScene();
+      state.refused.value = error;
       this.view?.showHand((state.hand.value = undefined));
+      if (this.undrop(error)) return;
     }
     if (this.comparer.failed(n)) return;
     this.pins.fail(n);
-    if (!this.sceneEnded(n) && !this.drives.came(n) && !this.skins.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
+    const ofScene = this.sceneEnded(n, error);
+    if (ofScene && this.undrop(error)) return;
+    if (!ofScene && !this.drives.came(n) && !this.skins.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
     if (event.work) state.work.value = event;
     state.playsNext.value = false;
     state.livesNext.value = undefined;

@@ -3,6 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
 import type { Design } from "./keeper";
+import { placeOf, wordsOf } from "./labels";
 import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, Link, LiveScene, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
@@ -75,7 +76,7 @@ export const state = {
   scene: signal<Scene | undefined>(undefined),
   step: signal<StepName>("Make"),
   /** Which panels are folded away. In a narrow window those at the sides lie over the view. */
-  folded: signal({ left: innerWidth < 1100, right: innerWidth < 641, time: innerHeight < 640, feel: innerWidth < 1100 }),
+  folded: signal({ left: innerWidth < 1100, right: innerWidth < 641, time: innerHeight < 640, feel: innerWidth < 1100 || innerHeight < 800 }),
   /** Whether the three hints of a first visit are shown. */
   hints: signal(localStorage.getItem("hinted") === null),
   /** Whether the outputs are to go on as soon as the board that was asked for is there. */
@@ -89,8 +90,14 @@ export const state = {
   played: signal(""),
   /** Millimetres of one pixel in the middle of the view. */
   mmPerPixel: signal(0),
+  /** Whether the engine is there, answers nothing, or has gone. */
+  engine: signal<"here" | "silent" | "gone">("here"),
+  /** Whether STOP was pressed and has not been answered. */
+  stopping: signal(false),
   /** Whether the scene shown is that of the document shown. */
   current: signal(false),
+  /** Why the document shown has no scene. */
+  refused: signal<Failure | undefined>(undefined),
   object: signal<Drawn | undefined>(undefined),
   slice: signal<SliceData | undefined>(undefined),
   latencyMs: signal(0),
@@ -175,7 +182,7 @@ export const boardOf = (document: ProjectDocument | undefined): Hello["boards"][
 
 /** Tells what went wrong, as the server's own failures are told. */
 export function tell(error: unknown): void {
-  state.failure.value = { where: "", message: error instanceof Error ? error.message : String(error) };
+  state.failure.value = { where: "", message: error instanceof Error ? error.message || error.name : String(error), lasts: true };
 }
 
 /** The record that the field is of; 0 is the mean over the sequence. */
@@ -183,6 +190,23 @@ export const shownRecord = computed(() => {
   const entry = state.scene.value?.tour[state.at.value ?? -1];
   return state.alone.value && !state.showsKept.value && entry ? entry.record : 0;
 });
+
+/** The scene of the document shown, by an engine that is there: what can be played and taken away. */
+export const made = computed(() => (state.current.value && state.engine.value === "here" ? state.scene.value : undefined));
+/** Why there is none; nothing while it is being computed. */
+export const whyNotMade = computed(() => {
+  const { engine, refused, current } = state;
+  if (made.value) return "";
+  if (engine.value !== "here") return engine.value === "gone" ? "The server is gone." : "The server does not answer.";
+  if (refused.value) return `This design cannot be made: ${[placeOf(refused.value.where), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
+  return current.value ? "There is nothing to play." : "";
+});
+
+/** Whether a participant's session is under way. */
+export const inSession = computed(() => state.session.value !== undefined && state.session.value.now.show !== "ended");
+
+/** Whether outputs are on, as far as it is known; undefined: it is not. */
+export const outputsOn = computed(() => (state.engine.value === "silent" ? undefined : state.device.value.status?.outputs === "on"));
 
 export interface Actions {
   place(orientation: Orientation, middle: Point): void;

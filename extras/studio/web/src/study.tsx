@@ -3,7 +3,7 @@
 import { useEffect, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { Choice, NumberField, Panel } from "./controls";
 import type { StudyQuestion } from "./link";
-import { type Actions, state, type StudyChoice, type StudySession } from "./state";
+import { type Actions, inSession, state, type StudyChoice, type StudySession } from "./state";
 
 interface WithActions {
   actions: Actions;
@@ -25,6 +25,7 @@ export function StudyPage({ actions }: WithActions) {
   const session = state.session.value;
   return (
     <div id="study" class="study" hidden={!state.studying.value}>
+      {!inSession.value && <button type="button" onClick={() => actions.study(false)}>← Back to the design</button>}
       {session ? <Session key={session.of.results} session={session} actions={actions} /> : <Choose actions={actions} />}
     </div>
   );

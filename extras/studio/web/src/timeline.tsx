@@ -18,11 +18,18 @@ const zooms = [1, 4, 16, 64];
 const tenths = (value: number): string => (Math.round(10 * value) / 10 || 0).toFixed(1);
 const slowings = [1, 10, 100, 1000, 10_000];
 
-/** How strong each entry of the tour is, 1 the strongest: by the analysis, once it has come, and by the amplitudes until then. */
+/**
+ * How strong each entry of the tour is, 1 the strongest: by its amplitude, and once the analysis has come also by what that gives at its
+ * place. Of the records of a place, which a modulation makes differently strong, one alone is analysed.
+ */
 export function strengths(scene: Scene, analysis: Analysis | undefined): number[] {
-  const byRecord = new Map<number, number>();
-  for (const { record, radiation_pa: pressure } of analysis?.foci ?? []) byRecord.set(record, Math.max(byRecord.get(record) ?? 0, Math.sqrt(pressure)));
-  const values = scene.tour.map(({ record, amplitude }) => (analysis ? byRecord.get(record) ?? 0 : amplitude));
+  const pressures = new Map(analysis?.foci.map(({ record, radiation_pa: pressure }) => [record, Math.sqrt(pressure)]));
+  const atFull = new Map<string, number>(); // by place
+  for (const { record, at, amplitude } of scene.tour) {
+    const pressure = pressures.get(record);
+    if (pressure !== undefined && amplitude > 0) atFull.set(at.join(), Math.max(atFull.get(at.join()) ?? 0, pressure / amplitude));
+  }
+  const values = scene.tour.map(({ at, amplitude }) => amplitude * (analysis ? atFull.get(at.join()) ?? 0 : 1));
   const most = Math.max(...values, 1e-12);
   return values.map((value) => value / most);
 }
@@ -90,7 +97,7 @@ export function Timeline({ actions }: { actions: Actions }) {
         <button type="button" aria-pressed={state.running.value} onClick={() => actions.run(!state.running.value)}>{state.running.value ? "❚❚ Hold" : "▶ Run"}</button>
         <label for={id}>Focal point</label>
         <input id={id} type="range" min={0} max={tour.length - 1} step={1} value={at ?? 0} onInput={(e) => actions.mark(Number(e.currentTarget.value))} />
-        <output for={id}>{entry ? `${(at ?? 0) + 1} of ${tour.length}: ${entry.at.map(tenths).join(", ")} mm` : `none of ${tour.length}`}</output>
+        <output for={id}>{entry ? `${(at ?? 0) + 1} of ${tour.length}: ${entry.at.map(tenths).join(", ")} mm` : `${tour.length}, none marked`}</output>
         <Choice label="Time" value={String(state.slower.value)} choices={slowings.map((each) => [String(each), each === 1 ? "as on the board" : `1/${each.toLocaleString("en")} as fast`])} onValue={(value) => (state.slower.value = Number(value))} />
         <Choice label="Zoom" value={String(zoom)} choices={zooms.map((each) => [String(each), each === 1 ? "whole pass" : `× ${each}`])} onValue={(value) => setZoom(Number(value))} />
       </div>

@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { WordField } from "./controls";
 import { canRedo, canUndo, designName, isSaved, redo, rename, undo } from "./document";
 import { designs, keptAt } from "./keeper";
-import { type Actions, boards, noProgram, state, type StepName, stepNames } from "./state";
+import { type Actions, boards, inSession, made, noProgram, state, type StepName, stepNames, whyNotMade } from "./state";
 import { nextTheme, theme } from "./theme";
 
 interface WithActions {
@@ -20,8 +20,17 @@ function DesignMenu({ actions }: WithActions) {
   const close = (): void => void (menu.current && (menu.current.open = false));
   useEffect(() => {
     const outside = (event: Event): void => void (menu.current?.contains(event.target as Node) || close());
+    const escape = (event: KeyboardEvent): void => {
+      if (event.key !== "Escape" || !menu.current?.open) return;
+      close();
+      menu.current.querySelector("summary")?.focus();
+    };
     addEventListener("pointerdown", outside);
-    return () => removeEventListener("pointerdown", outside);
+    addEventListener("keydown", escape);
+    return () => {
+      removeEventListener("pointerdown", outside);
+      removeEventListener("keydown", escape);
+    };
   }, []);
   const words = isSaved.value ? "file is up to date" : keptAt.value === undefined ? "not saved as a file" : `kept in this browser, ${time(keptAt.value)}`;
   return (
@@ -59,10 +68,10 @@ export function Tools({ actions }: WithActions) {
       }}>
         {stepNames.map((step) => {
           const Icon = icons[step];
-          return <button key={step} type="button" role="tab" data-step={step} aria-selected={state.step.value === step} tabIndex={state.step.value === step ? 0 : -1} onClick={() => choose(step)}><Icon size={16} aria-hidden="true" /> {step}</button>;
+          return <button key={step} type="button" role="tab" data-step={step} aria-selected={state.step.value === step} tabIndex={state.step.value === step ? 0 : -1} onClick={() => choose(step)}><Icon size={16} aria-hidden="true" /> {step === "Play" ? "Use" : step}</button>;
         })}
       </div>
-      {!noProgram.value && <button type="button" class={state.step.value === "Play" || state.studying.value ? "ghost" : "ghost away"} aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>}
+      {!noProgram.value && <button type="button" class={state.step.value === "Play" || state.studying.value ? "ghost" : "ghost away"} aria-pressed={state.studying.value} disabled={inSession.value} onClick={() => actions.study(!state.studying.value)}>Study</button>}
       <button type="button" class="ghost" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)" aria-label="Undo"><Undo2 size={16} /></button>
       <button type="button" class="ghost" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)" aria-label="Redo"><Redo2 size={16} /></button>
       <button type="button" class="ghost" onClick={nextTheme} title={`Theme: ${theme.value}`} aria-label="Theme"><Theme size={16} /></button>
@@ -74,15 +83,16 @@ export function Tools({ actions }: WithActions) {
 function choose(step: StepName): void {
   if (innerWidth <= 640) state.folded.value = { ...state.folded.value, right: state.step.peek() === step && !state.folded.peek().right };
   state.step.value = step;
+  if (!inSession.value) state.studying.value = false;
 }
 
 const titles = { program: "Starts a virtual board and plays", serial: "Asks for a board and plays", none: "This browser cannot reach boards: Chrome, Edge and Chromium can" };
 
 /** Plays on the board, and starts a virtual one when there is none, or asks for one. */
 export function PlayButton({ actions }: WithActions) {
-  const { device, scene, current, work, playsNext } = state;
+  const { device, work, playsNext } = state;
   const { connection } = device.value;
   const busy = work.value?.t === "progress" || playsNext.value;
-  const ready = boards.value !== "none" && scene.value !== undefined && current.value && !busy && (connection === "connected" || connection === "none");
-  return <button type="button" class="play" disabled={!ready} onClick={() => actions.play()} title={connection !== "none" ? "Outputs on" : titles[boards.value]}><Play size={14} aria-hidden="true" /> Play</button>;
+  const ready = boards.value !== "none" && made.value !== undefined && !busy && (connection === "connected" || connection === "none");
+  return <button type="button" class="play" disabled={!ready} onClick={() => actions.play()} title={whyNotMade.value || (connection !== "none" ? "Outputs on" : titles[boards.value])}><Play size={14} aria-hidden="true" /> Play</button>;
 }

@@ -63,7 +63,7 @@ export function Triggers({ now }: { now: ProjectDocument }) {
       })}
       <button type="button" class="wide" onClick={add}>Add a trigger</button>
       {readsLines(now) && !noProgram.value && <WordField label="Lines from" name="Pipe of lines" hint="/tmp/lines" value={state.lines.value} onWord={(pipe) => (state.lines.value = pipe)} />}
-      <p class="hint">{triggers.length === 0 ? "Play then turns the outputs on and waits: a key, a pin, a hand or a script starts a part of the movement." : "Keys and the pin work here, and each trigger's button in the step Play."}{readsLines(now) && (noProgram.value ? " Lines, and hands that enter a region, need the program." : " Lines come from a named pipe (mkfifo): a script's words, or what “haptogram live --scene PIPE” tells of hands, on a board of its own.")}</p>
+      <p class="hint">{triggers.length === 0 ? "Play then turns the outputs on and waits: a key, a pin, a hand or a script starts a part of the movement." : "Keys and the pin work here, and each trigger's button in the step Use."}{readsLines(now) && (noProgram.value ? " Lines, and hands that enter a region, need the program." : " Lines come from a named pipe (mkfifo): a script's words, or what “haptogram live --scene PIPE” tells of hands, on a board of its own.")}</p>
     </Panel>
   );
 }

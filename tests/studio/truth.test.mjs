@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page says holds: what is on the screen is what plays and is saved, the lamp tells of every output, a server that has gone is told
+// of, and no work is lost.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { boardSays, drop, eventually, hasValue, lookedAt, openDesign, openPage, picture, settled, shapes, show, sleep, startBrowser, startStudio } from "./support.mjs";
+
+const play = (page) => page.locator("#playing button");
+
+test("a design that fails neither plays nor is saved, and both say why", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const size = page.getByLabel("Size", { exact: true });
+  const before = await size.inputValue();
+  await size.fill("900");
+  await size.press("Enter");
+  await page.locator(".failed", { hasText: "out of reach" }).waitFor();
+  assert.ok(await play(page).isDisabled());
+  assert.match(await play(page).getAttribute("title"), /reach/);
+  await page.locator(".failed").getByRole("button", { name: "Close" }).click();
+  await page.locator("footer", { hasText: "cannot be made" }).waitFor();
+  await page.locator("#view[aria-busy=false]").waitFor();
+  await picture(page, "fails-light");
+  for (const name of ["Image", "Manifest", "Report"]) assert.ok(await page.getByRole("button", { name }).isDisabled(), name);
+  await page.getByText(/not be made.*reach/).first().waitFor();
+  await picture(page, "fails-play-light");
+  assert.ok(await play(page).isDisabled());
+  await page.getByLabel("Undo").click();
+  await hasValue(size, before);
+  await settled(page);
+  await eventually(() => play(page).isEnabled());
+  assert.ok(await page.getByRole("button", { name: "Image" }).isEnabled());
+});
+
+test("a server that does not answer is told of after a second, and one that has gone plays nothing", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio, { mayFail: true });
+  await settled(page);
+  await play(page).click();
+  await boardSays(page, "outputs ON");
+  const banner = page.locator("#banner");
+  studio.child.kill("SIGSTOP");
+  const stopped = performance.now();
+  await banner.filter({ hasText: "does not answer" }).waitFor();
+  t.diagnostic(`told ${(performance.now() - stopped).toFixed(0)} ms after the server stopped to answer`);
+  assert.match(await banner.innerText(), /power/);
+  assert.ok(await play(page).isDisabled());
+  assert.equal(await page.locator("#board.on").count(), 0, "what was known of the outputs is old");
+  await page.locator("#stop").click();
+  await picture(page, "frozen-light");
+  await banner.filter({ hasText: /STOP.*not.*confirmed/ }).waitFor();
+  studio.child.kill("SIGCONT");
+  await boardSays(page, "outputs off");
+  await banner.filter({ hasText: "does not answer" }).waitFor({ state: "hidden" });
+  await eventually(() => play(page).isEnabled());
+  // Killed, and started again at the same port with another key.
+  studio.child.kill("SIGKILL");
+  await banner.filter({ hasText: "The server is gone" }).waitFor();
+  assert.ok(await play(page).isDisabled());
+  await boardSays(page, "gone");
+  await startStudio(t, "--port", new URL(studio.origin).port);
+  await banner.filter({ hasText: "does not take this page's key" }).waitFor();
+  assert.ok(await play(page).isDisabled());
+});
+
+test("STOP without a board is answered", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await page.locator("#stop").click();
+  await boardSays(page, "No board");
+});
+
+test("a browser without room for designs says so", async (t) => {
+  const before = async (page) =>
+    page.addInitScript(() => {
+      IDBObjectStore.prototype.put = () => {
+        throw new DOMException("", "QuotaExceededError");
+      };
+    });
+  const page = await openPage(t, await startBrowser(t), await startStudio(t), { before });
+  await settled(page);
+  await openDesign(page, "Ring");
+  await page.locator(".failed", { hasText: /room.*bundle/ }).waitFor();
+});
+
+test("the studio begins with a shape's file", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t, join(shapes, "trimesh_binary.stl")));
+  await settled(page);
+  await page.locator(".file", { hasText: "trimesh_binary.stl" }).waitFor();
+});
+
+test("unsaved work outlives the designs that are looked at behind it", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await page.locator(".menu summary").click();
+  await page.locator("#design").fill("My work");
+  await page.locator("#design").press("Enter");
+  const points = page.getByLabel("Focal points", { exact: true });
+  await points.fill("77");
+  await points.press("Enter");
+  await openDesign(page, "Ring"); // at once: what was edited a moment before is kept, too
+  const names = await page.locator(".gallery").locator("b").allInnerTexts();
+  for (const name of names) {
+    await openDesign(page, name);
+    await page.locator(".menu summary", { hasText: name }).waitFor();
+    await sleep(500); // until it is kept
+  }
+  await page.locator(".menu summary").click();
+  await page.locator(".sheet button", { hasText: "My work" }).waitFor();
+  await page.reload();
+  await page.locator(".card", { hasText: "My work" }).getByRole("button", { name: "Restore it" }).click();
+  await hasValue(points, "77");
+});
+
+test("a file that cannot be read replaces nothing", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  const kind = page.getByLabel("Shape", { exact: true });
+  const before = await kind.inputValue();
+  const bad = [{ name: "bad.stl", bytes: Buffer.from("this is no mesh") }];
+  await drop(page, bad);
+  await page.locator(".failed", { hasText: "bad.stl" }).waitFor();
+  await settled(page);
+  assert.equal(await kind.inputValue(), before);
+  assert.ok(await play(page).isEnabled());
+  assert.ok(await page.locator(".failed", { hasText: "bad.stl" }).isVisible(), "it is still said");
+  // A design with several shapes and key frames takes a file.
+  await openDesign(page, "Bloom");
+  await page.locator("footer", { hasText: "Bloom: " }).waitFor();
+  await settled(page);
+  await drop(page, bad);
+  await page.locator(".failed", { hasText: "bad.stl" }).waitFor();
+  await settled(page);
+  await drop(page, [{ name: "trimesh_binary.stl", bytes: readFileSync(join(shapes, "trimesh_binary.stl")) }]);
+  await page.locator(".file", { hasText: "trimesh_binary.stl" }).waitFor();
+  await settled(page);
+  await picture(page, "bloom-file");
+});
+
+test("the timeline draws a modulated design as strong as it is", async (t) => {
+  const scenes = [];
+  const before = async (page) =>
+    page.on("websocket", (socket) =>
+      socket.on("framereceived", ({ payload }) => {
+        if (typeof payload === "string" && payload.startsWith('{"t":"scene"')) scenes.push(JSON.parse(payload).scene);
+      }),
+    );
+  const page = await openPage(t, await startBrowser(t), await startStudio(t), { before });
+  await settled(page);
+  await openDesign(page, "Heartbeat");
+  await page.locator("footer", { hasText: "Heartbeat: " }).waitFor();
+  await settled(page);
+  await lookedAt(page);
+  const { tour, pass_s: pass } = scenes.at(-1);
+  const heights = await page.evaluate(() =>
+    [...document.querySelector(".lane .blocks").getAttribute("d").matchAll(/M([\d.]+) 40V([\d.]+)H([\d.]+)/g)].map(([, left, top, right]) => ({ at: (Number(left) + Number(right)) / 2000, high: 40 - Number(top) })),
+  );
+  await picture(page, "timeline-light");
+  const most = Math.max(...tour.map(({ amplitude }) => amplitude));
+  const entryAt = (time) => tour.find(({ from_s, dwell_s }) => from_s <= time && time < from_s + dwell_s);
+  const places = new Set(tour.map(({ at }) => at.join()));
+  t.diagnostic(`${tour.length} entries at ${places.size} places, ${heights.length} blocks, amplitudes ${Math.min(...tour.map(({ amplitude }) => amplitude))} to ${most}`);
+  const strong = heights.filter(({ at }) => entryAt(at * pass)?.amplitude > 0.95 * most);
+  const weak = heights.filter(({ at }) => entryAt(at * pass)?.amplitude < 0.3 * most);
+  assert.ok(strong.length > 0 && weak.length > 0);
+  assert.ok(Math.min(...strong.map(({ high }) => high)) > Math.max(...weak.map(({ high }) => high)), JSON.stringify([strong.slice(0, 3), weak.slice(0, 3)]));
+});
+
+test("a live session's outputs are told in every window", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await openDesign(page, "Touched ball");
+  await page.locator("footer", { hasText: "100 focal points for" }).waitFor();
+  await settled(page);
+  const other = await page.context().newPage();
+  await other.goto(studio.address);
+  await settled(other);
+  await page.bringToFront();
+  await page.locator("[data-step=Play]").click();
+  await page.getByRole("button", { name: "Feel it live" }).click();
+  for (const each of [page, other]) {
+    await boardSays(each, "lent to the live session, outputs ON");
+    await each.locator("#board.on").waitFor();
+    assert.match(await each.title(), /Outputs on/);
+  }
+  await picture(page, "live-lamp-light");
+  await other.keyboard.press("Escape");
+  for (const each of [page, other]) {
+    await boardSays(each, "outputs off");
+    assert.equal(await each.locator("#board.on").count(), 0);
+    assert.doesNotMatch(await each.title(), /Outputs on/);
+  }
+});
+
+test("what is read aloud of the board changes only with what it says", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await page.getByRole("button", { name: "Start a virtual board" }).click();
+  await boardSays(page, "outputs off");
+  const changes = await page.evaluate(
+    () =>
+      new Promise((done) => {
+        let count = 0;
+        const watch = new MutationObserver((all) => (count += all.length));
+        for (const each of [document.getElementById("board"), document.querySelector("title")]) watch.observe(each, { childList: true, characterData: true, subtree: true });
+        setTimeout(() => done(count), 2000);
+      }),
+  );
+  assert.equal(changes, 0);
+});
+
+test("Escape closes the menu, studies have a way back, and in a small window all has its place", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await page.locator(".menu summary").click();
+  await page.keyboard.press("Escape");
+  await page.locator(".menu:not([open])").waitFor();
+  await page.locator("[data-step=Play]").click();
+  await page.getByRole("button", { name: "Study", exact: true }).click();
+  await page.getByRole("button", { name: "Back to the design" }).click();
+  await page.locator("#view canvas").waitFor();
+  for (const width of [1280, 800, 390]) {
+    await page.setViewportSize({ width, height: 720 });
+    await page.reload();
+    await settled(page);
+    const off = await page.evaluate(() => {
+      const bar = document.querySelector(".bar rect").getBoundingClientRect(), box = document.querySelector(".bar svg").getBoundingClientRect();
+      const marks = [...document.querySelectorAll(".bar li")].map((each, i, { length }) => {
+        const { left, right } = each.getBoundingClientRect();
+        if (right === left) return 0; // there is no room for it
+        return (i === 0 ? left : i === length - 1 ? right : (left + right) / 2) - (bar.left + (bar.width * i) / (length - 1));
+      });
+      return Math.max(Math.abs(bar.width - box.width), ...marks.map(Math.abs));
+    });
+    assert.ok(off < 1.5, `${off} px at ${width}`);
+    const feel = await page.locator("#feel").boundingBox();
+    assert.ok(feel.height < 90, `what it will feel like takes ${feel.height} px at ${width}`);
+    for (const colorScheme of ["light", "dark"]) {
+      await page.emulateMedia({ colorScheme });
+      await picture(page, `small-${width}-${colorScheme}`);
+    }
+  }
+});
