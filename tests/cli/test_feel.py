@@ -167,6 +167,20 @@ def test_every_built_in_shape_is_felt_or_says_how(tmp_path):
     assert {kind: said for kind, said in answers.items() if said[-1] != "felt"} == {}
 
 
+def test_the_designs_of_the_gallery(tmp_path):
+    """All are felt, beyond what is not known, but two; and compile, feel and report say the same of each."""
+    not_surely = {}
+    for project in sorted((ROOT / "extras/studio/gallery").glob("*/project.toml")):
+        _, said = last_line(tmp_path, project)
+        verdict = said.split("; try ")[0]
+        assert verdict.startswith(feel(tmp_path, "image.hex")["verdict"])
+        succeed(["report", "image.hex", "--no-picture", "-o", "page.html"], cwd=tmp_path)
+        assert f"by models: {verdict}." in (tmp_path / "page.html").read_text(encoding="utf-8")
+        if not verdict.startswith("felt: clear everywhere"):
+            not_surely[project.parent.name] = verdict.split(":")[0]
+    assert not_surely == {"bloom": "not felt", "touch": "perhaps"}
+
+
 def test_what_people_felt():
     """The table of the page is what its command prints, and no verdict in it contradicts people but those that it names."""
     done = subprocess.run([sys.executable, ROOT / "extras/feel/evidence.py", PROGRAM, "--check"], capture_output=True, text=True)
