@@ -62,9 +62,9 @@ test("ten tasks, each in at most five actions", async (t) => {
   });
   await task("take that back", async () => act(page.keyboard.press("Control+z")), async () => hasValue(page.getByLabel("Strongest", { exact: true }), ""));
   await task("mend what is drawn too fast", async () => {
-    await act(design("Plus").click());
-    await footer("Plus: ");
-    await act(typed("Passes a second", "400"));
+    await act(design("Two points").click());
+    await footer("Two points: ");
+    await act(typed("Passes a second", "2000"));
     await settled(page);
     await lookedAt(page);
     await act(find('[data-kind="short-dwell"] button.remedy').first().click());
