@@ -158,7 +158,7 @@ def draw_channel(c, pinout):
     c.text(142, 21.5, "element", ha="center", va="center", zorder=4)
     c.text(142.8, 29, "marked leg,\nalike on all")
 
-    c.box(147, 46, 21, 16, "12 V, amperes by\nboard power, its own\nfuse, for drivers alone")
+    c.box(147, 46, 21, 16, "18 V, amperes by\nboard power, its own\nfuse, for drivers alone")
     c.wire((147, 56), (138, 56), colour=PLUS)
     c.wire((112, 56), (98, 56), (98, 44), colour=PLUS)
     c.text(144.5, 56.4, "+", color=PLUS, fontsize=11)

@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "command.hpp"
+#include "extras.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/path_file.hpp"
@@ -188,6 +190,31 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
                                    100.0 * number("pressure_left_least"), 100.0 * number("pressure_left_mean")));
 }
 
+/// What would help a shape that is not surely felt: the focus rests for 0.2 s at few places, under a modulation that a
+/// palm feels best, and not far from the axis. A pass of 2.5 s is as long as the boards' sequences can modulate.
+std::string advice(const Manifest& manifest) {
+    const std::vector<Vec3> points = manifest.points();
+    if (points.size() < 2) return "; try --am square:200";
+    constexpr double small_m = 50 * millimetre;
+    Vec3 low = points.front(), high = low;
+    for (const Vec3& p : points) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const Vec3 extent = high - low;
+    return fmt::format("; try --am square:200 --points 12 --rate 0.4{}",
+                       std::max({extent.x, extent.y, extent.z}) > small_m ? " --size 50" : "");
+}
+
+/// Whether it is felt, where an extra knows.
+void add_verdict(Report& report, const Project& project, const Bundle& bundle) {
+    if (!extras().verdict || bundle.manifest.records.empty()) return;
+    std::string verdict = extras().verdict(timeline_of(bundle));
+    if (!verdict.starts_with("felt") && project.is_of_shapes() && project.am.empty() && project.key_frames.empty())
+        verdict += advice(bundle.manifest);
+    report.add("verdict", verdict, "hand              " + verdict);
+}
+
 int compile_rig(const CompileOptions& options) {
     const Project project = project_of(options);
     CompiledRig compiled;
@@ -231,7 +258,11 @@ int compile(CompileOptions options) {
     if (!options.save_path.empty())
         files.emplace_back(options.save_path, to_json_text(compiled.path, compiled.bundle.manifest.timer.carrier_hz()));
     write_files(files);
-    if (options.output != "-" && options.manifest != "-") report_of(compiled, options).print(options.json);
+    if (options.output != "-" && options.manifest != "-") {
+        Report report = report_of(compiled, options);
+        add_verdict(report, project, compiled.bundle);
+        report.print(options.json);
+    }
     for (const std::string& warning : compiled.warnings) complain("warning: " + warning);
     return 0;
 }

@@ -2,6 +2,7 @@
 // What the program gets from outside of the core: the simulated boards, and the extras (extras/README.md). Each has one
 // function register_NAME(Extras&), and extras.cpp, which CMake writes, calls those that are linked.
 #pragma once
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "command.hpp"
 #include "haptogram/verbs/path_makers.hpp"
+#include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram::cli {
 
@@ -19,6 +21,8 @@ struct Extras {
     std::map<Purpose, std::vector<AddCommand>> commands{};   ///< behind those of the core
     std::map<std::string, std::vector<AddCommand>> below{};  ///< subcommands of a command of the core, by its name
     PathMakers makers{};                                     ///< for whatever compiles
+    /// Whether a hand is expected to feel what plays, as one sentence; empty when nobody knows.
+    std::function<std::string(const Timeline&)> verdict{};
 };
 
 /// Those of this program, registered.

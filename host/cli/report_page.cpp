@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "command.hpp"
+#include "extras.hpp"
 #include "haptogram/base/file.hpp"
 #include "progress_line.hpp"
 #include "source_options.hpp"
@@ -36,7 +37,7 @@ int make_report(const ReportOptions& options) {
             options.no_picture ? "" : report_picture(timeline, 0, all.in_stage("field").between(0.5, 1.0));
         std::vector<std::string> findings = analysis.warnings;
         for (const Finding& finding : findings_of(analysis.loudness)) findings.push_back(finding.message);
-        page = report_page(timeline, analysis, findings, picture);
+        page = report_page(timeline, analysis, findings, picture, extras().verdict ? extras().verdict(timeline) : "");
     }
     write_file(options.output, page);
     return 0;

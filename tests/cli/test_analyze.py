@@ -78,12 +78,15 @@ def test_what_makes_no_sense(arguments, centre):
 
 
 def test_forces_are_over_one_area_and_say_what_they_rest_on(centre, tmp_path):
-    """The force of analyze is that of feel, on the same disc; and a measured force makes the level that gives it back."""
+    """The force of analyze is that of feel, on the same disc, at another level; and a measured force makes the level that gives it back."""
     found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=centre).stdout)
     felt = json.loads(succeed(["feel", "image.hex", "--json"], cwd=centre).stdout)
     assert found["contact_mm"] == felt["contact_mm"] == 20
-    assert found["points"][0]["force_mn"] == pytest.approx(felt["places"][0]["mean_mn"], rel=1e-3)
-    assert not found["level"]["calibrated"] and "8 to 10" in found["level"]["note"]
+    # One is at the nominal level, the other at the expected one.
+    excess = (found["level"]["source_pa_m"] / felt["level"]["used_pa_m"]) ** 2
+    assert found["points"][0]["force_mn"] == pytest.approx(felt["places"][0]["mean_mn"] * excess, rel=1e-3)
+    assert not found["level"]["calibrated"] and f"{excess:.1f} times less force" in found["level"]["note"]
+    assert found["level"]["expected_pa_m"] == felt["level"]["used_pa_m"]
     at = ["--focus", "0,0,150"]
     keys = succeed(["analyze", *at, "--measured-mn", "2.5"], cwd=tmp_path).stdout.decode()
     shipped = (ROOT / "host/arrays/tile-10x10.toml").read_text()

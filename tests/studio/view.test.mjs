@@ -5,9 +5,11 @@ import { execFile } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { delimiter, dirname, join } from "node:path";
 import { test } from "node:test";
+import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
-import { accessible, boardSays, drawnAt, eventually, folder, hasValue, middle, openDesign, openPage, picture, pixels, program, run, settled, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, drawnAt, eventually, folder, hasValue, lookedAt, middle, openDesign, openPage, picture, pixels, program, run, settled, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
 
+const shipped = join(dirname(fileURLToPath(import.meta.url)), "../../extras/studio/gallery");
 const field = (page, label) => page.getByLabel(label, { exact: true });
 async function fill(page, label, value) {
   await field(page, label).fill(String(value));
@@ -215,12 +217,21 @@ test("the gallery, and the ways to play an object", async (t) => {
     assert.equal(await page.locator(".failed").count(), 0, await page.locator(".failed").allInnerTexts().then(String));
     return String(await takeAway(page, "Project"));
   };
+  const designs = await page.evaluate(async () => (await fetch("gallery.json")).json());
   const names = await page.locator(".gallery").locator("b").allInnerTexts();
+  assert.deepEqual(names, designs.map(({ title }) => title));
   assert.equal(names.length, 13);
-  for (const name of names) {
-    await openDesign(page, name);
-    await page.locator("footer", { hasText: new RegExp(`^${name}: \\d+ focal points`) }).waitFor();
+  const there = await folder(t);
+  for (const { file, title } of designs) {
+    await openDesign(page, title);
+    await page.locator("footer", { hasText: new RegExp(`^${title}: \\d+ focal points`) }).waitFor();
     scenes.add(await compiled());
+    // The page's verdict is the program's.
+    await lookedAt(page);
+    const said = (await run("compile", join(shipped, file, "project.toml"), "-o", join(there, "image.hex"))).trim().split("\n").at(-1).replace(/^hand\s+|; try .*/g, "");
+    assert.ok((await page.locator("#feel").innerText()).includes(`By models: ${said}.`), `${title}: ${said}`);
+    const word = await page.locator("[data-verdict-of-feel]").getAttribute("data-verdict-of-feel");
+    assert.ok({ felt: ["clear", "notes"], perhaps: ["perhaps"], "not felt": ["unfelt"] }[said.split(":")[0]].includes(word), `${title}: ${word}`);
   }
   assert.equal(scenes.size, names.length, "each is another object");
   await openDesign(page, "Ring");

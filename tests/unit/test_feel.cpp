@@ -15,6 +15,7 @@
 #include "haptogram/perception/feel.hpp"
 #include "haptogram/perception/felt.hpp"
 #include "haptogram/perception/magnitude.hpp"
+#include "haptogram/perception/verdict.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/timeline.hpp"
 
@@ -259,6 +260,74 @@ TEST_CASE("felt: thresholds of vibration, and what they rest on", "[feel]") {
     CHECK_SAID(felt_of(std::vector<Line>{{50.0, 1e-3}}, tables, perception::Region::palm, 1.0).no_magnitude);
     CHECK_SAID(felt_of(std::vector<Line>{{200.0, 1.0}}, tables, perception::Region::palm, 1.0).no_magnitude);
     CHECK_SAID(felt_of(lines, tables, perception::Region::finger, 1.0).no_magnitude);
+}
+
+TEST_CASE("verdict: lines of one channel add up, and what is not known decides between three answers", "[feel]") {
+    const Tables tables = find_tables();
+    const auto palm = perception::Region::palm;
+    const auto least = [&](double hz) { return least_vibration(tables, palm, hz, 1.0).force_n; };
+    const auto over = [&](const std::vector<Line>& lines) { return felt_of(lines, tables, palm, 1.0).over_db; };
+    CHECK(over({{200.0, least(200.0)}, {100.0, least(100.0)}, {400.0, least(400.0)}, {50.0, least(50.0)}}) ==
+          Approx(20.0 * std::log10(2.0)));
+    CHECK(over({{20.0, least(20.0)}, {30.0, least(30.0)}}) == Approx(0.0).margin(1e-9));
+    CHECK(over({}) == -INFINITY);
+
+    const double half_db = 10.0 * std::log10(0.06903 / 0.05903);
+    const double bare_db = 20.0 * std::log10((0.06794 + 0.08392) / (0.05903 + 0.06903));
+    ExpectedLevel level{1.0, 1.0, 2.0, ""};
+    const auto at = [&](double over_db, double hz, double grip_n = 1.0, double largest_n = 0.0,
+                        std::optional<double> rounds_hz = {}) {
+        const double force = least_vibration(tables, palm, hz, grip_n).force_n * std::pow(10.0, over_db / 20.0);
+        const Felt felt = felt_of(std::vector<Line>{{hz, force}}, tables, palm, grip_n);
+        return verdict_of(felt, level, tables, palm, grip_n, largest_n, rounds_hz);
+    };
+    const Verdict clear = at(3.0, 200.0);
+    CHECK(clear.over_db == Approx(3.0));
+    CHECK(clear.least_db == Approx(3.0 - std::hypot(1.0, half_db)));
+    CHECK(clear.most_db == Approx(3.0 + std::hypot(2.0, half_db) + bare_db));
+    CHECK(clear.answer() == Answer::felt);
+    CHECK(at(0.5, 200.0).answer() == Answer::perhaps);
+    CHECK(at(-1.0, 200.0).answer() == Answer::perhaps);
+    CHECK(at(-5.0, 200.0).answer() == Answer::not_felt);
+    CHECK(at(3.0, 50.0).answer() == Answer::perhaps);  // where the tables do not reach, less is known
+    CHECK(at(3.0, 50.0).least_db == Approx(3.0 - std::hypot(1.0, half_db, 5.0)));
+    CHECK(at(0.0, 200.0, 3.0).most_db < at(0.0, 200.0, 1.0).most_db);  // no bare hand holds 3 N
+    // A focus that comes round may be felt as one that rests under a square wave.
+    const double strong_n = pi / 2.0 * least(200.0);
+    CHECK(at(-20.0, 70.0, 1.0, strong_n, 10.0).most_db == Approx(std::hypot(2.0, half_db) + bare_db));
+    CHECK(at(-20.0, 70.0, 1.0, strong_n, 10.0).answer() == Answer::perhaps);
+    for (const double hz : {4.0, 201.0}) CHECK(at(-20.0, 70.0, 1.0, strong_n, hz).answer() == Answer::not_felt);
+
+    const Verdict nothing{};
+    CHECK(nothing.answer() == Answer::not_felt);
+    const Verdict weak = at(-5.0, 200.0), unsure = at(0.0, 200.0);
+    CHECK(answer_of(std::vector{clear, clear}) == Answer::felt);
+    CHECK(answer_of(std::vector{clear, weak}) == Answer::perhaps);
+    CHECK(answer_of(std::vector{unsure, weak}) == Answer::perhaps);
+    CHECK(answer_of(std::vector{weak, nothing}) == Answer::not_felt);
+    for (const auto& [places, begins] :
+         {std::pair(std::vector{clear, clear}, "felt: clear everywhere, "),
+          std::pair(std::vector{clear, weak}, "perhaps: felt at 1, "), std::pair(std::vector{weak}, "not felt: "),
+          std::pair(std::vector{nothing}, "not felt: nothing alternates")})
+        CHECK(sentence_of(places).starts_with(begins));
+}
+
+TEST_CASE("level: what is expected of a transducer", "[feel]") {
+    const Transducer tile = find_array("tile-10x10").transducer, hoshi = find_array("hoshi-18x18").transducer;
+    // Hoshi weighed 16 of 134 mN on his array, with 24 V.
+    CHECK(expected_level(hoshi).source_pa_m == Approx(10.18 * std::sqrt(16.0 / 134.0)).epsilon(0.01));
+    CHECK(expected_level(tile, 12.0).source_pa_m == Approx(expected_level(tile, 24.0).source_pa_m / 2.0));
+    CHECK(expected_level(tile).source_pa_m / expected_level(hoshi).source_pa_m ==
+          Approx(20.0 / 24.0 * std::pow(10.0, (120.0 - 121.5) / 20.0)).epsilon(0.01));
+    Transducer own = tile;
+    own.source_pa_m = 3.0;
+    CHECK(expected_level(own).source_pa_m == 3.0);
+    CHECK(expected_level(own).less_db == Approx(-40.0 * std::log10(share_of_data_sheet)));
+    own.measured = "by a balance";
+    CHECK(expected_level(own).less_db == 0.0);
+    for (const Transducer& other : {own, tile}) CHECK_SAID(level_text(other));
+    CHECK_REFUSED(expected_level(own, 12.0));
+    CHECK_REFUSED(expected_level(tile, 0.0));
 }
 
 TEST_CASE("skin waves: the deflection under a moving focus", "[feel]") {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -37,6 +38,7 @@ struct FeelCommand {
     std::string hand, hand_model;
     std::size_t places = 8, hand_frame = 1;
     double contact_mm = default_contact_m / millimetre, grip_n = 1.0;
+    std::optional<double> level_pa_m, volts;
     bool json = false;
 };
 
@@ -44,6 +46,16 @@ ordered_json numbers_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.
 
 std::string words_mm(Vec3 p) {
     return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x / millimetre, p.y / millimetre, p.z / millimetre);
+}
+
+/// A difference in decibels; nothing when there is none.
+ordered_json decibels(double db) { return std::isfinite(db) ? ordered_json(db) : ordered_json(); }
+
+ordered_json to_json(const perception::Verdict& verdict) {
+    return {{"answer", perception::words_of(verdict.answer())},
+            {"over_db", decibels(verdict.over_db)},
+            {"least_db", decibels(verdict.least_db)},
+            {"most_db", decibels(verdict.most_db)}};
 }
 
 ordered_json to_json(const FeltPlace& place) {
@@ -66,10 +78,10 @@ ordered_json to_json(const FeltPlace& place) {
                  {"mean_mn", place.mean_n * 1e3},
                  {"modulation_depth", place.depth},
                  {"lines", lines},
-                 {"expected_to_be_felt", place.expected()}});
-    if (place.expected()) {
+                 {"verdict", to_json(place.verdict)}});
+    if (place.verdict.over_db > 0.0) {
         const perception::FeltLine& line = place.felt.lines.front();
-        json["strength_steps"] = perception::strength_steps(line.over_db);
+        json["strength_steps"] = perception::strength_steps(place.verdict.over_db);
         if (const auto next = perception::next_frequency_hz(line.hz)) json["next_frequency_hz"] = *next;
     }
     if (place.felt.magnitude)
@@ -85,42 +97,40 @@ std::string line_of(const FeltPlace& place, std::size_t number) {
                     place.force.tilt, place.mean_pa, place.most_pa, place.mean_n * 1e3, place.depth);
     const std::string part =
         place.part.empty() ? "" : fmt::format("  {}, {:.1f} mm off", place.part, place.off_skin_m / millimetre);
-    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 Hz and 1 kHz" + part;
+    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 Hz and 1 kHz: not felt" + part;
     const perception::FeltLine& line = place.felt.lines.front();
-    text += fmt::format(" {:>8.1f} {:>8.4f} {:>8.4f} {:>7.1f} {:>12}", line.hz, line.force_n * 1e3, line.least_n * 1e3,
-                        line.over_db, perception::name_of(line.basis));
+    text += fmt::format(" {:>8.1f} {:>8.4f} {:>8.4f} {:>12} {:>8.1f} {:>8}", line.hz, line.force_n * 1e3,
+                        line.least_n * 1e3, perception::name_of(line.basis), place.verdict.over_db,
+                        perception::words_of(place.verdict.answer()));
     return text +
            (place.felt.magnitude ? fmt::format(" {:>9.2f}", *place.felt.magnitude) : fmt::format(" {:>9}", "-")) + part;
 }
 
 /// What could be told apart from the strongest place's strongest line.
 void tell_differences(Report& report, const Feeling& feeling) {
-    const perception::FeltLine* best = nullptr;
-    for (const FeltPlace& place : feeling.places)
-        if (place.expected() && (best == nullptr || place.felt.lines.front().over_db > best->over_db))
-            best = &place.felt.lines.front();
-    if (best == nullptr) return;
-    const auto [least, most] = perception::strength_steps(best->over_db);
+    const FeltPlace& best =
+        *std::ranges::max_element(feeling.places, {}, [](const FeltPlace& place) { return place.verdict.over_db; });
+    if (!(best.verdict.over_db > 0.0)) return;
+    const double hz = best.felt.lines.front().hz;
+    const auto [least, most] = perception::strength_steps(best.verdict.over_db);
     std::string text = fmt::format("can be told apart: {} to {} strengths down to what is just felt", least, most);
-    if (const auto next = perception::next_frequency_hz(best->hz))
-        text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz or more", best->hz, next->at(0), next->at(1));
+    if (const auto next = perception::next_frequency_hz(hz))
+        text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz or more", hz, next->at(0), next->at(1));
     report.tell(text + fmt::format("; a place to within {:g} mm", perception::place_error_m / millimetre));
 }
 
 void report_places(Report& report, const Feeling& feeling) {
-    report.tell(fmt::format("{:>5} {:>22} {:>5} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>7} {:>12} {:>9}", "place",
-                            "skin / mm", "cos2", "P / Pa", "most", "F / mN", "depth", "line/Hz", "F / mN", "least",
-                            "over/dB", "threshold by", "magnitude"));
+    report.tell(fmt::format("{:>5} {:>22} {:>5} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>12} {:>8} {:>8} {:>9}",
+                            "place", "skin / mm", "cos2", "P / Pa", "most", "F / mN", "depth", "line/Hz", "F / mN",
+                            "least", "threshold by", "over/dB", "", "magnitude"));
     ordered_json places = ordered_json::array();
-    std::size_t expected = 0;
     for (const FeltPlace& place : feeling.places) {
         places.push_back(to_json(place));
         report.tell(line_of(place, places.size()));
-        expected += place.expected() ? 1 : 0;
     }
     report.add("places", places)
-        .add("places_expected_to_be_felt", expected,
-             fmt::format("expected to be felt: {} of {} places", expected, feeling.places.size()));
+        .add("answer", perception::words_of(perception::answer_of(feeling.verdicts)))
+        .add("verdict", perception::sentence_of(feeling.verdicts), perception::sentence_of(feeling.verdicts));
     tell_differences(report, feeling);
     for (const FeltPlace& place : feeling.places)
         if (!place.felt.magnitude) {
@@ -192,6 +202,8 @@ int feel(const FeelCommand& command) {
     options.region = perception::region_of(command.region);
     options.grip_n = command.grip_n;
     options.tables = perception::find_tables(command.tables);
+    options.level_pa_m = command.level_pa_m;
+    options.supply_v = command.volts;
     Timeline timeline;
     Feeling feeling;
     {
@@ -212,7 +224,12 @@ int feel(const FeelCommand& command) {
     report.add("extent_mm", feeling.extent_m / millimetre);
     report.add("contact_mm", command.contact_mm,
                fmt::format("F is on a flat disc of {:g} mm at the place", command.contact_mm));
-    report.add("level", level_json(timeline.manifest.array.transducer), level_text(timeline.manifest.array.transducer));
+    ordered_json level = level_json(timeline.manifest.array.transducer);
+    level["used_pa_m"] = feeling.level.source_pa_m;
+    report.add("level", level, feeling.level.text);
+    const double nominal = timeline.manifest.array.transducer.source_pa_m;
+    if (nominal != feeling.level.source_pa_m)
+        report.tell(fmt::format("sound at ears is computed with the nominal {:g} Pa·m", nominal));
     report_places(report, feeling);
     report_path(report, feeling);
     report_sound(report, feeling);
@@ -262,6 +279,13 @@ void add_feel(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--tables", options->tables, "Shipped perception file, or a file")->capture_default_str();
+    auto* level = sub->add_option("--level", options->level_pa_m,
+                                  "Source strength of an element, Pa·m (default: what is expected of the transducer)")
+                      ->check(positive());
+    sub->add_option("--volts", options->volts,
+                    "Supply of the drivers, V, for the expected strength (default: the papers')")
+        ->check(positive())
+        ->excludes(level);
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->add_option("-o,--output", options->output, "A picture, .png");
     sub->callback([options, &action] { action = [options] { return feel(*options); }; });
@@ -271,6 +295,7 @@ void use_skin_of_hand(SkinOfHand skin) { known_skin = skin; }
 
 void register_feel(Extras& extras) {
     extras.commands[Purpose::measure].insert(extras.commands[Purpose::measure].end(), {add_feel, add_magnitude});
+    extras.verdict = verdict_on;
     extras.makers.of_magnitude = [](Path& path, const Project& project, const Array& array) {
         return perception::give_magnitude(path, project, array);
     };

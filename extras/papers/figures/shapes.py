@@ -19,7 +19,7 @@ def drawn(work, name, *arguments):
 
 
 def over_threshold(felt):
-    return np.mean([place["lines"][0]["over_db"] for place in felt["places"]])
+    return np.mean([place["verdict"]["over_db"] for place in felt["places"]])
 
 
 def shapes_strength(work, name):
@@ -28,7 +28,7 @@ def shapes_strength(work, name):
     speeds = (2, 3, 4, 5, 6, 7, 8, 9, 10, 12)
     runs = [drawn(work, f"speed-{v}", "--points", 150, "--speed", v) for v in speeds]
     axes[0].plot(speeds, [felt["mean_pa"] for _, felt in runs], "o-", label="mean radiation pressure / Pa")
-    axes[0].plot(speeds, [over_threshold(felt) for _, felt in runs], "s-", label="strongest line over the least felt / dB")
+    axes[0].plot(speeds, [over_threshold(felt) for _, felt in runs], "s-", label="vibration over the least felt / dB")
     gains = [felt["wave_gain"] for _, felt in runs]
     axes[0].plot(speeds, [10 * gain for gain in gains], "^--", label="10 × deflection by waves in the skin")
     axes[0].set(xlabel="speed / (m/s)", title="150 points, at a speed")

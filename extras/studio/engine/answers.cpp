@@ -19,6 +19,7 @@
 #include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/hand/touch.hpp"
+#include "haptogram/perception/feel.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "haptogram/verbs/analyze.hpp"
@@ -119,7 +120,7 @@ std::string report_of(const Scene& scene, const ReportPicture& draw, const Progr
     std::vector<std::string> findings;
     for (const Finding& finding : findings_of(scene.settings, scene.compiled, analysis))
         findings.push_back(finding.message);
-    return report_page(timeline, analysis, findings, draw(timeline, progress.between(0.5, 1.0)));
+    return report_page(timeline, analysis, findings, draw(timeline, progress.between(0.5, 1.0)), verdict_on(timeline));
 }
 
 /// A hand, millimetres, its palm down in the origin, its fingers along y: the edges of its palmar surface as line

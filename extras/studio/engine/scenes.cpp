@@ -14,6 +14,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/recording.hpp"
+#include "haptogram/perception/feel.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"
@@ -118,6 +119,17 @@ ordered_json drives_json(const Scene& scene, std::uint32_t record) {
             {"amplitudes", amplitudes}};
 }
 
+namespace {
+
+/// The steady force at the nominal level that a palm just feels when it is switched on and off 200 times a second.
+double just_felt_n(const Transducer& transducer) {
+    const double nominal = transducer.source_pa_m / expected_level(transducer).source_pa_m;
+    return perception::least_vibration(perception::find_tables(), perception::Region::palm, 200.0, 1.0).force_n *
+           std::numbers::pi / 2.0 * nominal * nominal;
+}
+
+}  // namespace
+
 ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
     const Compiled& compiled = scene.compiled;
     ordered_json foci = ordered_json::array(), findings = ordered_json::array();
@@ -132,9 +144,10 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
     for (const Finding& finding : findings_of(scene.settings, compiled, analysis)) findings.push_back(to_json(finding));
     return {{"level", level_json(compiled.bundle.manifest.array.transducer)},
             {"foci", foci},
-            {"least_felt_mn", least_felt_n * 1e3},
+            {"least_felt_mn", just_felt_n(compiled.bundle.manifest.array.transducer) * 1e3},
             {"at_300_mm_db", analysis.loudness.at_300_mm_db},
             {"most_at_300_mm_db", recommended_for_ears_db},
+            {"verdict", verdict_on(timeline_of(compiled.bundle))},
             {"findings", findings}};
 }
 

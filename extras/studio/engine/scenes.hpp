@@ -61,7 +61,8 @@ struct HandScene {
 [[nodiscard]] nlohmann::ordered_json drives_json(const Scene& scene, std::uint32_t record);
 
 /// What the analysis of each focus came to, and all findings: {"foci": [{"record", "radiation_pa", "width_mm",
-/// "depth_mm", "side_lobe", "force_mn"}], "least_felt_mn", "at_300_mm_db", "most_at_300_mm_db", "findings"}.
+/// "depth_mm", "side_lobe", "force_mn"}], "least_felt_mn", "at_300_mm_db", "most_at_300_mm_db", "verdict", "findings"}.
+/// The verdict is the sentence of `haptogram compile`; "least_felt_mn" is for foci that rest and buzz.
 [[nodiscard]] nlohmann::ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis);
 
 /// The files that pages sent, the project that the studio was started with, and the scenes that were compiled last. All

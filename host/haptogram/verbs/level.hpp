@@ -8,12 +8,31 @@
 
 namespace haptogram {
 
-/// Measured devices made about so much less force than nominal source strengths say, least and most: Hoshi et al. 2010
-/// measured 16 of 134 mN on a disc of 20 mm, and the paper “Multimodal” 0.540 of 5.15 gf (docs/references.md).
-inline constexpr double nominal_excess_least = 8.0, nominal_excess_most = 10.0;
+/// A whole array made so much of the pressure that its transducers' data sheet promises for the same voltage. Hoshi et
+/// al. 2010 weighed 16 of 134 mN with 24 V between the peaks, 10.8 V rms of the carrier: √(16/134)/1.08 = 0.320. The
+/// paper “Multimodal” weighed 0.540 of 5.15 gf, which is √(0.540/5.15) = 0.324 if its device has 10 V rms, which it
+/// does not say (docs/references.md).
+inline constexpr double share_of_data_sheet = 0.322;
+/// Between 8 and 10 times less force than the data sheet's was weighed: a decibel to each side, of forces (20·lg).
+inline constexpr double share_known_to_db = 1.0;
+
+/// The source strength that an element of an array is expected to have, and how much less and more force that may be.
+struct ExpectedLevel {
+    double source_pa_m = 0.0;
+    double less_db = 0.0, more_db = 0.0;  ///< of forces
+    std::string text;                     ///< a sentence
+};
+
+/// A measured level is taken as it is. Where an array file has a shipped transducer's nominal strength, it is
+/// `share_of_data_sheet` of the data sheet's, at the drivers' supply. Any other number is taken as the file says it,
+/// and may be a data sheet's.
+/// @param supply_v  of the drivers, which is what their square wave swings over; by default 20 V for a MA40S4S (the
+/// paper, III-D) and 24 V for a T4010A1 (Hoshi 3.1)
+/// @throws Error{bad_argument} naming "volts" when it is not positive, or the transducer is not one of these
+[[nodiscard]] ExpectedLevel expected_level(const Transducer& transducer, std::optional<double> supply_v = {});
 
 /// What an array's absolute pressures and forces rest on, in a sentence: how its source strength was measured, or that
-/// it is nominal, and by how much measured devices fell short of that.
+/// it is nominal, and what is expected instead.
 [[nodiscard]] std::string level_text(const Transducer& transducer);
 
 /// The same for programs: calibrated, source_pa_m, note.

@@ -458,13 +458,15 @@ std::string methods_text(const Timeline& timeline) {
 }
 
 std::string report_page(const Timeline& timeline, const ImageAnalysis& analysis,
-                        const std::vector<std::string>& findings, const std::string& picture) {
+                        const std::vector<std::string>& findings, const std::string& picture,
+                        const std::string& verdict) {
     const std::string name = escaped(timeline.name);
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Report on "
         "{0}</title>\n{1}</head><body>\n"
         "<h1>Report on {0}</h1>\n<h2>For a section on methods</h2>\n<p>{2}</p>\n<h2>What to know</h2>\n",
         name, style, escaped(methods_text(timeline)));
+    if (!verdict.empty()) html += fmt::format("<p>Whether a hand feels it, by models: {}.</p>\n", escaped(verdict));
     if (findings.empty()) {
         html += "<p>Nothing was found that may not feel as expected.</p>\n";
     } else {

@@ -78,8 +78,10 @@ inline constexpr double least_widths = 2.0;
 /// should know before anyone feels it, a picture of the field and a row for each focus.
 /// @param findings  whole sentences; when there are none, the page says so
 /// @param picture   PNG; empty: without it
+/// @param verdict   whether it is felt; empty: nobody knows
 [[nodiscard]] std::string report_page(const Timeline& timeline, const ImageAnalysis& analysis,
-                                      const std::vector<std::string>& findings, const std::string& picture);
+                                      const std::vector<std::string>& findings, const std::string& picture,
+                                      const std::string& verdict = "");
 
 /// The radiation pressure that the whole sequence makes on average, on the level plane through the foci's mean height,
 /// as a PNG. It is drawn by python3 with matplotlib.

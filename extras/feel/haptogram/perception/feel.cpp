@@ -245,22 +245,58 @@ FeltPlace place_at(Vec3 position, const FeelOptions& options) {
     return felt;
 }
 
-FeltPlace feel_at(const Array& array, const DriveSequence& sequence, Vec3 position, const FeelOptions& options) {
+/// The part of a force that is felt at once, as felt_within_s has it.
+std::span<const double> felt_part(const std::vector<double>& force, double carrier_hz) {
+    const auto length = static_cast<std::size_t>(std::lround(felt_within_s * carrier_hz));
+    if (force.size() <= length) return force;
+    double sum = std::accumulate(force.begin(), force.begin() + static_cast<std::ptrdiff_t>(length), 0.0);
+    double most = sum;
+    std::size_t first = 0;
+    for (std::size_t end = length; end < force.size(); ++end) {
+        sum += force[end] - force[end - length];
+        if (sum > most * (1.0 + 1e-9)) {  // not for rounding's sake
+            most = sum;
+            first = end - length + 1;
+        }
+    }
+    return std::span(force).subspan(first, length);
+}
+
+FeltPlace feel_at(const Array& array, const DriveSequence& sequence, Vec3 position, const FeelOptions& options,
+                  const ExpectedLevel& level, std::optional<double> rounds_hz) {
     FeltPlace felt = place_at(position, options);
     felt.force = force_on_skin(array, sequence, felt.place, options.contact_m);
-    const auto& pressure = felt.force.pressure_pa;
-    const auto& force = felt.force.force_n;
+    auto& pressure = felt.force.pressure_pa;
+    auto& force = felt.force.force_n;
+    const double nominal = level.source_pa_m / array.transducer.source_pa_m;
+    for (double& value : pressure) value *= nominal * nominal;
+    for (double& value : force) value *= nominal * nominal;
     const auto count = static_cast<double>(force.size());
     felt.mean_pa = std::accumulate(pressure.begin(), pressure.end(), 0.0) / count;
     felt.most_pa = *std::max_element(pressure.begin(), pressure.end());
     felt.mean_n = std::accumulate(force.begin(), force.end(), 0.0) / count;
     felt.depth = modulation_depth(force);
-    felt.spectrum = perception::lines_of(force, sequence.carrier_hz);
+    felt.spectrum = perception::lines_of(felt_part(force, sequence.carrier_hz), sequence.carrier_hz);
     // Rounding leaves lines of a steady force that are no vibration.
     for (Line& line : felt.spectrum)
         if (line.amplitude < 1e-9 * std::abs(felt.mean_n)) line.amplitude = 0.0;
     felt.felt = perception::felt_of(felt.spectrum, options.tables, felt.region, options.grip_n);
+    felt.verdict = perception::verdict_of(felt.felt, level, options.tables, felt.region, options.grip_n,
+                                          *std::max_element(force.begin(), force.end()), rounds_hz);
     return felt;
+}
+
+/// How often one focus comes round, when it goes from place to place in steps that are no longer than `width`.
+std::optional<double> rounds_of(const Path& places, double carrier_hz, double width) {
+    if (places.steps.size() < 3 || !speed_of(places, carrier_hz, width)) return std::nullopt;
+    std::uint64_t periods = 0;
+    for (const PathStep& step : places.steps) periods += step.periods;
+    // A sequence may hold several rounds: it comes round when it is where it began.
+    const auto& first = places.steps.front().foci;
+    const auto rounds = std::ranges::count_if(places.steps, [&](const PathStep& step) {
+        return first.size() == 1 && step.foci.size() == 1 && step.foci.front().position == first.front().position;
+    });
+    return carrier_hz * static_cast<double>(std::max<std::ptrdiff_t>(rounds, 1)) / static_cast<double>(periods);
 }
 
 /// The diagonal of the box around places.
@@ -316,7 +352,7 @@ void warn(Feeling& feeling, const DriveSequence& sequence, const FeelOptions& op
     std::size_t away = 0, estimated = 0, moving = 0;
     for (const FeltPlace& place : feeling.places) {
         away += place.force.tilt < 0.05 ? 1 : 0;
-        estimated += place.expected() && place.felt.lines.front().basis != perception::Basis::tables ? 1 : 0;
+        estimated += place.verdict.over_db > 0.0 && place.felt.lines.front().basis != perception::Basis::tables ? 1 : 0;
         moving += place.felt.magnitude && foci > 1 ? 1 : 0;
     }
     if (away > 0) add(fmt::format("the skin hardly faces the array at {} places", away));
@@ -334,11 +370,15 @@ void warn(Feeling& feeling, const DriveSequence& sequence, const FeelOptions& op
 
 const FeltPlace& strongest(const Feeling& feeling) {
     return *std::max_element(feeling.places.begin(), feeling.places.end(), [](const FeltPlace& a, const FeltPlace& b) {
-        const auto over = [](const FeltPlace& place) {
-            return place.felt.lines.empty() ? -INFINITY : place.felt.lines.front().over_db;
-        };
-        return over(a) < over(b);
+        return a.verdict.over_db < b.verdict.over_db;
     });
+}
+
+ExpectedLevel level_of(const Transducer& transducer, const FeelOptions& options) {
+    if (!options.level_pa_m) return expected_level(transducer, options.supply_v);
+    if (!(*options.level_pa_m > 0.0 && std::isfinite(*options.level_pa_m)))
+        throw bad_argument("level", fmt::format("must be positive, found {:g}", *options.level_pa_m));
+    return {*options.level_pa_m, 0.0, 0.0, fmt::format("level: {:g} Pa·m an element, as asked", *options.level_pa_m)};
 }
 
 }  // namespace
@@ -354,8 +394,12 @@ Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progres
     if (at.empty()) throw bad_input(timeline.name, "it has no foci; say where the skin is", {"at"});
     Feeling feeling;
     feeling.seconds = static_cast<double>(sequence.periods()) / sequence.carrier_hz;
+    feeling.level = level_of(array.transducer, options);
+    const double width_m = foci.empty() ? 0.0 : focal_width(array, foci.front());
+    const std::optional<double> rounds_hz = rounds_of(places, sequence.carrier_hz, width_m);
     for (const Vec3& position : at) {
-        feeling.places.push_back(feel_at(array, sequence, position, options));
+        feeling.places.push_back(feel_at(array, sequence, position, options, feeling.level, rounds_hz));
+        feeling.verdicts.push_back(feeling.places.back().verdict);
         progress(0.8 * static_cast<double>(feeling.places.size()) / static_cast<double>(at.size()), "skin");
     }
     feeling.extent_m = extent_of(foci);
@@ -368,18 +412,34 @@ Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progres
     if (feeling.mean_pa > 0.0) feeling.spread = std::sqrt(squares) / feeling.mean_pa;
     if (foci.size() > 1) {
         perception::SkinMembrane skin;
-        skin.focus_width_m = focal_width(array, foci.front());
+        skin.focus_width_m = width_m;
         feeling.speed_m_s = speed_of(places, sequence.carrier_hz, skin.focus_width_m);
         if (feeling.speed_m_s && *feeling.speed_m_s <= perception::fastest_wave_m_s)
             feeling.wave_gain = perception::deflection_over_static(*feeling.speed_m_s, skin);
     }
-    feeling.noise = perception::noise_of(array, sequence);
-    feeling.ears = perception::exposure(array, sequence, options.ears);
-    feeling.loudest = perception::loudest_around(array, sequence);
+    if (options.sound) {
+        feeling.noise = perception::noise_of(array, sequence);
+        feeling.ears = perception::exposure(array, sequence, options.ears);
+        feeling.loudest = perception::loudest_around(array, sequence);
+    }
     progress(1.0, "sound");
     warn(feeling, sequence, options, foci.size());
     warn_of_places(feeling, foci.size());
     return feeling;
+}
+
+std::string verdict_on(const Timeline& made) {
+    // As it is read from its files, whose digits are fewer, so that every command says the same.
+    Timeline timeline = made;
+    timeline.manifest = manifest_from_json(to_text(made.manifest), made.name);
+    FeelOptions options;
+    options.tables = perception::find_tables();
+    options.sound = false;
+    const DriveSequence sequence = sequence_of(timeline);
+    if (different_places(places_of(timeline.manifest, sequence)).empty()) return "not felt: it has no foci";
+    const Feeling feeling = feel(timeline, options);
+    return fmt::format("{}; at {:.3g} Pa·m an element", perception::sentence_of(feeling.verdicts),
+                       feeling.level.source_pa_m);
 }
 
 void draw_feeling(const std::string& path, const Timeline& timeline, const FeelOptions& options,
@@ -413,7 +473,8 @@ void draw_feeling(const std::string& path, const Timeline& timeline, const FeelO
     for (const FeltPlace& place : feeling.places)
         json["places"].push_back(
             {{"mean_pa", place.mean_pa},
-             {"over_db", place.felt.lines.empty() ? ordered_json() : ordered_json(place.felt.lines.front().over_db)}});
+             {"over_db", place.felt.lines.empty() ? ordered_json() : ordered_json(place.verdict.over_db)},
+             {"answer", perception::words_of(place.verdict.answer())}});
     for (const Line& line : feeling.noise.lines) json["noise"].push_back({line.hz, line.amplitude});
     Picture picture("shipped:tools/plot_feel.py");
     picture.add("feel.json", json.dump());

@@ -11,10 +11,8 @@
 #include "haptogram/array/array.hpp"
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/path.hpp"
-#include "haptogram/perception/felt.hpp"
+#include "haptogram/perception/verdict.hpp"
 #include "haptogram/verbs/timeline.hpp"
-
-#pragma once
 
 namespace haptogram::perception {
 
@@ -88,27 +86,36 @@ struct FeelOptions {
     perception::Region region = perception::Region::palm;
     double grip_n = 1.0;  ///< that the hand holds at the same time; of a bare hand 1 N is an upper bound
     perception::Tables tables;
+    std::optional<double> level_pa_m;  ///< source strength of an element, in place of the expected one
+    std::optional<double> supply_v;    ///< of the drivers; by default as expected_level() has it
+    bool sound = true;                 ///< also what an ear hears
 };
+
+/// A focus that passes a place now and then is felt as it passes: the force's spectrum is that of the so long part of
+/// the sequence that has the most force. Ours: as long as the channel that feels vibrations sums them, about.
+inline constexpr double felt_within_s = 0.2;
 
 /// What one place of the skin feels.
 struct FeltPlace {
     SkinPlace place;
     perception::Region region = perception::Region::palm;
-    std::string part;         ///< of a hand: palm, thumb, index, …; empty without one
-    double off_skin_m = 0.0;  ///< how far what was asked for is from the hand's skin
-    SkinForce force;
+    std::string part;                        ///< of a hand: palm, thumb, index, …; empty without one
+    double off_skin_m = 0.0;                 ///< how far what was asked for is from the hand's skin
+    SkinForce force;                         ///< at the level of the feeling
     double mean_pa = 0.0, most_pa = 0.0;     ///< radiation pressure at the place
     double mean_n = 0.0;                     ///< force
     double depth = 0.0;                      ///< of the force's modulation, 0…1
     std::vector<perception::Line> spectrum;  ///< of the force, N
     perception::Felt felt;
-    [[nodiscard]] bool expected() const { return !felt.lines.empty() && felt.lines.front().over_db > 0.0; }
+    perception::Verdict verdict;
 };
 
 /// What a hand is expected to feel and an ear to hear, by models. Nothing of it was measured on people by this project.
 struct Feeling {
     double seconds = 0.0;  ///< that were looked at: one pass, or what was measured
+    ExpectedLevel level;   ///< that pressures and forces are at. What an ear hears is at the nominal one
     std::vector<FeltPlace> places;
+    std::vector<perception::Verdict> verdicts;  ///< of the places
     double mean_pa = 0.0, spread = 0.0;  ///< over the places: the time-averaged pressure, and standard deviation/mean
     std::optional<double> speed_m_s;     ///< of the focus, where it moves less than its width at a time
     std::optional<double> wave_gain;     ///< by waves in the skin at that speed (perception/feel.hpp)
@@ -122,6 +129,10 @@ struct Feeling {
 
 /// @throws Error{bad_input} when nothing is played, Error{bad_argument} for options that make no sense
 [[nodiscard]] Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progress& progress = {});
+
+/// The verdict on what plays at its foci, on a palm that faces the array, and the level that it is of: the line with
+/// which `compile` ends, and what a report says. It is that of `haptogram feel` without options.
+[[nodiscard]] std::string verdict_on(const Timeline& timeline);
 
 /// Draws the strongest place: radiation pressure over time, and the force's spectrum beside what is felt; all places;
 /// and what is heard.

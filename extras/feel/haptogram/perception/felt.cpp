@@ -136,12 +136,19 @@ LeastForce least_vibration(const Tables& tables, Region region, double hz, doubl
 Felt felt_of(std::span<const Line> spectrum, const Tables& tables, Region region, double grip_n,
              std::size_t most_lines) {
     Felt felt;
+    double power = 0.0;  // of the lines that one channel sums
     for (const Line& line : spectrum) {
         if (line.hz < lowest_vibration_hz || line.hz > highest_vibration_hz || !(line.amplitude > 0.0)) continue;
         const LeastForce least = least_vibration(tables, region, line.hz, grip_n);
         felt.lines.push_back(
             {line.hz, line.amplitude, least.force_n, 20.0 * std::log10(line.amplitude / least.force_n), least.basis});
+        const double ratio = line.amplitude / least.force_n;
+        if (line.hz >= pacinian_from_hz)
+            power += ratio * ratio;
+        else
+            felt.over_db = std::max(felt.over_db, felt.lines.back().over_db);
     }
+    if (power > 0.0) felt.over_db = std::max(felt.over_db, 10.0 * std::log10(power));
     std::stable_sort(felt.lines.begin(), felt.lines.end(),
                      [](const FeltLine& a, const FeltLine& b) { return a.over_db > b.over_db; });
     const auto known = std::find_if(felt.lines.begin(), felt.lines.end(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -72,9 +73,16 @@ struct FeltLine {
     Basis basis = Basis::none;
 };
 
-/// What a place feels, by the strongest line of its force over the threshold.
+/// From here on vibrations are felt by one channel, the Pacinian one, which sums their power over time and frequency.
+inline constexpr double pacinian_from_hz = 40.0;
+
+/// What a place feels.
 struct Felt {
     std::vector<FeltLine> lines;  ///< from 10 Hz to 1 kHz, the strongest over its threshold first; at most `most_lines`
+    /// All lines together over what is just felt: the root of the sum of (force/least)² from `pacinian_from_hz` on
+    /// (Gescheider et al. 1994: sines and bands of noise are detected by their power), or the strongest line below,
+    /// where nothing is summed (Gescheider 1976). −∞ without lines.
+    double over_db = -std::numeric_limits<double>::infinity();
     std::optional<double> magnitude;  ///< perceived (Multimodal eq. 10), of the strongest line within the tables
     std::string no_magnitude;         ///< why there is none
 };

@@ -186,7 +186,7 @@ function Restore({ actions }: { actions: Actions }) {
         <div class="card hints">
           <p><b>This shape is made of air:</b> points of ultrasound, drawn in turn. Take another from the gallery, or drop a file.</p>
           {boards.value === "program" && <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>}
-          <p><b>What it will feel like:</b> the bar should lie right of the mark “just felt”. If it does not, ways to mend it stand below it.</p>
+          <p><b>What it will feel like:</b> felt, perhaps, or not, by models. Ways to mend it stand below.</p>
           {boards.value === "serial" && <p><b>Play</b> asks for a board at a USB port of yours. STOP or Esc turns its outputs off.</p>}
           <button type="button" onClick={hinted}>Got it</button>
         </div>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hand will feel of the scene, beside it all the time: strength against what a palm is known to feel, the weakest
-// part, the size of a focus, loudness; and what should be known, in the server's words, each with a way to see and to mend it.
+// What a hand will feel of the scene, beside it all the time: the program's verdict, how strong a focus would be that
+// rests and buzzes, the weakest part, the size of a focus, loudness; and what should be known, in the server's words, each with a way to see and to mend it.
 import { ChevronDown, ChevronUp, CircleCheck, LoaderCircle, TriangleAlert } from "lucide-preact";
 import { edit, having, project, type ProjectDocument } from "./document";
 import type { Analysis, Finding, Point, Scene } from "./link";
@@ -17,7 +17,7 @@ function mended(now: ProjectDocument, changes: Record<string, unknown>): Project
   return having(now, Object.fromEntries(whole));
 }
 
-/** A focal point and its force over what a palm is known to feel. */
+/** A focal point and its force over what a palm just feels, if it rested and buzzed. */
 interface Felt {
   times: number;
   at: number;
@@ -38,7 +38,13 @@ export function feltOf(scene: Scene, analysis: Analysis): { weakest: Felt; stron
   return { weakest: by((a, b) => a < b), strongest: by((a, b) => a > b) };
 }
 
-type Verdict = "clear" | "fades" | "notes" | "looking" | "nothing";
+type Verdict = "clear" | "perhaps" | "unfelt" | "notes" | "looking" | "nothing";
+
+/** The program's verdict in a word. */
+function verdictOf({ verdict }: Analysis, found: number): Verdict {
+  if (verdict.startsWith("felt")) return found > 0 ? "notes" : "clear";
+  return verdict.startsWith("perhaps") ? "perhaps" : "unfelt";
+}
 
 /** From a tenth to a hundred times what is just felt, as a part of the bar. */
 const onBar = (times: number): number => 100 * Math.min(1, Math.max(0, (Math.log10(Math.max(times, 1e-6)) + 1) / 3));
@@ -58,7 +64,8 @@ function Meter({ weakest, strongest }: { weakest: Felt; strongest: Felt }) {
 
 const verdicts: Record<Verdict, (scene: Scene | undefined, found: number) => string> = {
   clear: () => "Clear everywhere",
-  fades: () => "Fades in places",
+  perhaps: () => "Perhaps felt",
+  unfelt: () => "Not felt",
   notes: (_, found) => `Felt, with ${found} ${found === 1 ? "remark" : "remarks"}`,
   looking: (scene) => `Each of ${scene?.foci.length ?? 0} points is being looked at…`,
   nothing: () => "Nothing is played yet",
@@ -69,9 +76,9 @@ export function Feel({ actions }: { actions: Actions }) {
   const now = state.refused.value ? undefined : scene.value;
   const found = now ? analysis.value?.findings ?? now.findings : [];
   const felt = now && analysis.value ? feltOf(now, analysis.value) : undefined;
-  const verdict: Verdict = !now ? "nothing" : !analysis.value || !current.value ? "looking" : felt && felt.weakest.times < 1 ? "fades" : found.length > 0 ? "notes" : "clear";
+  const verdict: Verdict = !now ? "nothing" : !analysis.value || !current.value ? "looking" : verdictOf(analysis.value, found.length);
   const closed = folded.value.feel;
-  const Icon = verdict === "clear" ? CircleCheck : verdict === "fades" || verdict === "notes" ? TriangleAlert : LoaderCircle;
+  const Icon = verdict === "clear" ? CircleCheck : ["perhaps", "unfelt", "notes"].includes(verdict) ? TriangleAlert : LoaderCircle;
   return (
     <section id="feel" aria-label="What it will feel like" class={closed ? "closed" : ""}>
       <div class="verdict-row">
@@ -82,6 +89,7 @@ export function Feel({ actions }: { actions: Actions }) {
       </div>
       {!closed && (
         <div class={current.value ? "feel-body" : "feel-body stale"}>
+          {analysis.value && <p class="hint">By models: {analysis.value.verdict}.</p>}
           {felt && analysis.value && (
             <>
               <Meter {...felt} />
@@ -92,7 +100,7 @@ export function Feel({ actions }: { actions: Actions }) {
                 <dt>Focus</dt><dd>{short(felt.strongest.width_mm)} mm wide</dd>
                 <dt>At an ear, 300 mm</dt><dd class={analysis.value.at_300_mm_db > analysis.value.most_at_300_mm_db ? "warning" : ""}>{Math.round(analysis.value.at_300_mm_db)} dB of {Math.round(analysis.value.most_at_300_mm_db)}</dd>
               </dl>
-              {!analysis.value.level.calibrated && <details class="more"><summary>By nominal strengths</summary><p class="hint">{analysis.value.level.note}</p></details>}
+              {!analysis.value.level.calibrated && <details class="more"><summary>If each focus rested and buzzed</summary><p class="hint">{analysis.value.level.note}</p></details>}
             </>
           )}
           <Findings actions={actions} found={found} />

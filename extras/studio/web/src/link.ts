@@ -58,11 +58,13 @@ export interface Finding {
 export interface Analysis {
   level: { calibrated: boolean; source_pa_m: number; note: string };
   foci: { record: number; radiation_pa: number; width_mm: number; depth_mm: number; side_lobe: number; force_mn: number }[];
-  /** the force that a palm is known to feel */
+  /** the force that a palm just feels of a focus that rests and buzzes */
   least_felt_mn: number;
   at_300_mm_db: number;
   /** that is recommended for ears */
   most_at_300_mm_db: number;
+  /** a sentence that begins with "felt:", "perhaps:" or "not felt:", as the program says it */
+  verdict: string;
   findings: Finding[];
 }
 
