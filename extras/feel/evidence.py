@@ -18,7 +18,6 @@ PAGE = ROOT / "extras/feel/README.md"
 BEGIN, END = "<!-- evidence -->\n", "<!-- end of evidence -->"
 
 UNIT = (ROOT / "host/arrays/unit-249.toml").read_text(encoding="utf-8")
-# Places that a device's description leaves out.
 ULTRAHAPTICS = '[array]\nrows = 16\ncolumns = 20\npitch_mm = 10\n[board]\nname = "generic-320"\nconfiguration = "hoshi-324"\nchannels = 320\n'
 
 
@@ -45,7 +44,7 @@ ROWS = [
      ["--shape", "point", "--am", "square:1852"], [], "“clearly”", "2.95 kPa, the same", {"not felt"}),
     ("*Hoshi*", "324 T4010A1, 24 V", "a focus 200 mm up, square wave of 200 Hz",
      ["--array", "hoshi-18x18", "--shape", "point", "--center", "0,0,200", "--am", "square:200"], [],
-     "all of 6 people told its direction; 2,000 visitors", "balance: 16 mN", {"felt"}),
+     "all visitors who were asked knew its movements", "balance: 16 mN", {"felt"}),
     ("*Multimodal*", "256 T4010A1", "the same, half of the time at full command",
      ["--array", "usx-16x16", "--shape", "point", "--center", "0,0,200", "--am", "square:200"], [],
      "felt from 0.059 gf on, a ninth of this", "balance: 0.540 gf", {"felt"}),
@@ -60,7 +59,7 @@ ROWS = [
     ("*Hasegawa and Shinoda 2018* †", "4 units of 249 T4010A1", "a focus 1 m away, sine of 200 Hz",
      ["--array", "four.toml", "--shape", "point", "--center", "0,0,1000", "--am", "sine:200"], [],
      "expected to be perceivable", "", {"felt", "perhaps"}),
-    ("*Morisaki et al. 2022* †", "a focus that makes 27 mN", "circle of 6 mm, 10 Hz",
+    ("*Morisaki et al. 2022* †", "a focus that makes 27 mN", "circle of 6 mm (ours), 10 Hz",
      ["--array", "unit-249", "--shape", "circle", "--diameter", 6, "--points", 100, "--rate", 10, "--center", "0,0,200"], ["27 mN"],
      "as strong as a push of 0.21 N", "27 mN", {"felt", "perhaps"}),
 ]  # fmt: skip
