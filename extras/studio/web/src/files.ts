@@ -35,7 +35,7 @@ export class Files {
     const [first] = files;
     if (files.length === 1 && first?.name.endsWith(".adaptics") && (await this.takeFrames(first))) return;
     const named = JSON.stringify(project.peek() ?? {});
-    const replaced = new Map(await Promise.all(files.map(async ({ name }) => [name, named.includes(JSON.stringify(name)) ? await this.fileOf(name) : this.session.sent.get(name)] as const)));
+    const replaced = new Map(await Promise.all(files.map(async ({ name }) => [name, named.includes(JSON.stringify(name)) ? await this.fileOf(name).catch(() => undefined) : this.session.sent.get(name)] as const)));
     await this.send(files);
     const before = project.value;
     if (!before || files.length === 0) return;

@@ -26,8 +26,10 @@ export class InPage extends Link {
     return this.ready;
   }
 
+  /** The board has a Worker of its own, so what computes need not be there. */
   stop(): void {
-    this.send({ t: "stop" });
+    const n = this.send({ t: "stop" });
+    if (!this.open) this.board.take({ t: "stop", n });
   }
 
   protected post(message: Message & { n: number }): void {

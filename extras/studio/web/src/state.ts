@@ -197,7 +197,7 @@ export const made = computed(() => (state.current.value && state.engine.value ==
 export const whyNotMade = computed(() => {
   const { engine, refused, current } = state;
   if (made.value) return "";
-  if (engine.value !== "here") return engine.value === "gone" ? "The server is gone." : "The server does not answer.";
+  if (engine.value !== "here") return engine.value === "silent" ? "The server does not answer." : noProgram.value ? "What computes in this page has ended." : "The server is gone.";
   if (refused.value) return `This design cannot be made: ${[placeOf(refused.value.where), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
   return current.value ? "There is nothing to play." : "";
 });
