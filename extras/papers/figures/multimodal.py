@@ -7,8 +7,9 @@ import time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy import special
 
-from .work import legend, panels, row, run, save
+from .work import legend, panels, row, run, save, width
 
 
 def asked(work, *arguments):
@@ -20,6 +21,36 @@ def table(work, name, *arguments):
     path = work.data / f"{name}.csv"
     run(work.program, "robot", *arguments, "-o", path)
     return np.genfromtxt(path, delimiter=",", names=True)
+
+
+def multimodal_1(work, name):
+    """Eq. 1, a focused cap of as much area as the array, beside the sum over the array's elements. The pressure on the cap is what a flat
+    array has there, by area and distance: 1/cos² of the angle."""
+    side, focal, wavelength = 165.0, 200.0, 8.58
+    steps, limit = 4000, np.arctan(side / np.sqrt(np.pi) / focal)
+    beta, k = (np.arange(steps) + 0.5) / steps * limit, 2 * np.pi / wavelength
+
+    def cap(across, along):
+        return abs((np.exp(1j * k * along * np.cos(beta)) * special.j0(k * across * np.sin(beta)) * np.sin(beta) / np.cos(beta) ** 2).mean())
+
+    path = work.data / "cap.csv"
+    aimed = ("--focus", f"0,0,{focal:.0f}", "--array", "usx-16x16", "--line", f"x@y=0,z={focal:.0f}", "--extent", 40, "--step", 0.25)
+    run(work.program, "field", *aimed, "--quantity", "rms", "-o", path)
+    x, summed = np.loadtxt(path, delimiter=",", skiprows=1).T
+    integral = np.array([cap(at, 0.0) for at in x])
+    summed, integral = summed / summed.max(), integral / integral.max()
+    figure, (axes,) = panels(1, (6, 4))
+    axes.plot(x, summed, label="sum over 16 × 16 elements")
+    axes.plot(x, integral, "--", label="eq. 1")
+    axes.set(xlabel="x / mm", ylabel="pressure over its peak", title="focal plane, 200 mm")
+    legend(axes)
+    save(work, figure, name)
+    why = "the paper prints no number of eq. 1"
+    return [
+        row("width of the radiation pressure at half maximum, eq. 1", width(x, integral**2), "mm", why=why),
+        row("the same, sum over the elements", width(x, summed**2), "mm", why="T4010A1's directivity"),
+        row("largest difference of the two pressures, over the peak", 100 * np.abs(summed - integral).max(), "%", why="a round cap has other side lobes than a square array"),
+    ]  # fmt: skip
 
 
 def multimodal_magnitude(work, name):
@@ -119,6 +150,53 @@ def multimodal_workspace(work, name):
         row("useful volume, edge 390 mm, one axis at a time", found["one"][2], "mm³", 7.518e6, "text", why),
         row("useful volume, edge 390 mm, all axes at once", found["all"][2], "mm³", 7.518e6, "text", why),
         row("the ball of zone Z3 over the paper's useful volume", zone / 7.518e6, "", why="the zone of 160 mm is larger than the workspace that it lies in"),
+    ]  # fmt: skip
+
+
+def multimodal_4bc(work, name):
+    """The robot's useful cubes that the ultrasound reaches, too, from above and from the side: by the range and the angle that the papers
+    print for the array, and by the pressure that ours reaches. The frame's centre is 250 mm above the array, as in our mode W1."""
+    path, height = work.data / "workspace-4.csv", 250
+    run(work.program, "robot", "workspace", "--turns", "one", "-o", path)
+    cubes = np.genfromtxt(path, delimiter=",", names=True)
+    x, y, z, useful = (cubes[key] for key in ("x_mm", "y_mm", "z_mm", "useful"))
+    z, useful = z + height, useful == 1
+    reached = {}
+    for level in np.unique(z[z > 0]):
+        file = work.data / f"reach-{level:.0f}.csv"
+        run(work.program, "analyze", "--array", "usx-16x16", "--plane", f"xy@z={level:.0f}", "--extent", 180, "--step", 30, "-o", file)
+        reached.update({(a, b, level): pressure for a, b, pressure in np.loadtxt(file, delimiter=",", skiprows=1)})
+    pressure = np.array([reached[place] for place in zip(x, y, z)])
+    file = work.data / "reach-axis.csv"
+    run(work.program, "analyze", "--array", "usx-16x16", "--plane", "xy@z=200", "--extent", 30, "--step", 30, "-o", file)
+    axis_pressure = next(p for a, b, p in np.loadtxt(file, delimiter=",", skiprows=1) if a == b == 0)
+    side, slope = 165 / 2, np.tan(np.radians(60 / 2))
+    high = (z >= 100) & (z <= 500)
+    wide = {
+        "beside the array's edge": np.maximum(np.maximum(abs(x), abs(y)) - side, 0) <= slope * z,
+        "about the array's centre": np.hypot(x, y) <= slope * z,
+    }
+    strong = pressure >= axis_pressure / 2
+    figure, axes = panels(2, (12, 5))
+    for axis, u, v, labels in ((axes[0], x, y, "xy"), (axes[1], x, z, "xz")):
+        axis.plot(u[useful], v[useful], "s", ms=13, color="#b9dfb4", label="robot alone")
+        both = useful & high & wide["about the array's centre"]
+        axis.plot(u[both], v[both], "s", ms=7, color="#2c7fb8", label="robot and ultrasound")
+        axis.set(xlabel=f"{labels[0]} / mm", ylabel=f"{labels[1]} / mm", aspect="equal")
+        legend(axis, loc="upper right")
+    axes[0].set(xlim=(-195, 195), ylim=(-195, 195), title="from above")
+    heights = np.array([100, 445])
+    for sign in (-1, 1):
+        axes[1].plot(sign * slope * heights, heights, color="#2c7fb8", lw=1)
+    axes[1].plot([-side, side], [0, 0], color="black", lw=4)
+    axes[1].set(xlim=(-195, 195), ylim=(-10, 445), title="from the side; black: the array")
+    save(work, figure, name)
+    why = "the paper only draws it; heights of 10 to 50 cm and an angle of 60° are printed for the array (in Shapes)"
+    count = useful.sum()
+    return [
+        row("the robot's useful volume", 27e3 * count, "mm³"),
+        *(row(f"of it within the ultrasound's, 60° {where}", 100 * (useful & high & inside).sum() / count, "%", why=why) for where, inside in wide.items()),
+        row("of it with half of the pressure that the array reaches at 200 mm on its axis, or more", 100 * (useful & strong).sum() / count, "%", why="of our array of the same size, with T4010A1's directivity"),
     ]  # fmt: skip
 
 
