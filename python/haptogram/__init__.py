@@ -3,10 +3,10 @@
 
     import haptogram
 
-    ring = haptogram.compile(shape="circle", diameter_m=0.04, points=40, rate_hz=50)   # or points_m=… with times_s=…, path=…, project=…
+    ring = haptogram.compile(shape="circle", diameter_m=0.02, points=20, rate_hz=150)  # or points_m=… with times_s=…, path=…, project=…
     haptogram.field(ring, z_m=0.13).plot()             # radiation pressure on the plane z = 0.13 m
     haptogram.analyze(ring).force_n                    # of each focus, N
-    haptogram.feel(ring).expected_to_be_felt           # by a palm
+    haptogram.feel(ring).answer                        # by a palm: "felt", "perhaps" or "not felt"
     haptogram.simulate(ring).contract_violations       # on the Verilated FPGA
 
     with haptogram.Board.open("/dev/ttyUSB0") as board:

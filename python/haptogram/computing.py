@@ -700,7 +700,7 @@ def feel(source: Compiled | FileName | Array, *, focus_m: npt.ArrayLike | None =
     grip_n: force that the hand holds at the same time, N (1).
 
     Returns a Table with a row for each place: at_m, mean_pa, most_pa, mean_n, modulation_depth, lines (a list for each place: hz, force_n, least_n, over_db,
-    strongest first), expected_to_be_felt, …; about it all places_expected_to_be_felt, ears, loudest_at_500_mm, noise, level, warnings, ….
+    strongest first), …; about it all answer ("felt", "perhaps" or "not felt"), ears, loudest_at_500_mm, noise, level, warnings, ….
     """
     facing = None if normal is None else ",".join(map(repr, numbers("normal", normal).tolist()))
     contact = None if contact_m is None else mm("contact_m", contact_m)

@@ -93,7 +93,8 @@ def ask(folder, verb, source, z):
     if verb == "analyze":
         return done, json.loads(done.stdout)["points"][0]["radiation_pressure_pa"]
     if verb == "feel":
-        return done, json.loads(done.stdout)["places"][0]["mean_pa"]
+        told = json.loads(done.stdout)  # at the level that is expected; the others are at the nominal one
+        return done, told["places"][0]["mean_pa"] * (told["level"]["source_pa_m"] / told["level"]["used_pa_m"]) ** 2
     json.loads(done.stdout)
     return done, None
 

@@ -100,7 +100,8 @@ void StagedFile::commit() {
 }
 
 const fs::path& StagedFile::beside() {
-    if (!beside_.empty() && !system::give_name(descriptor_, beside_)) fail();
+    if (!beside_.empty() && !named_ && !system::give_name(descriptor_, beside_)) fail();
+    named_ = true;  // and whoever writes by name may have put another file there
     return beside_;
 }
 
@@ -139,6 +140,7 @@ void write_files(const std::vector<std::pair<std::filesystem::path, std::string>
         staged.push_back(std::make_unique<StagedFile>(path));
         staged.back()->fill(content);
     }
+    for (const auto& file : staged) file->beside();  // which may fail, as with a name too long
     for (const auto& file : staged) file->commit();
 }
 

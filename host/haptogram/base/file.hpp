@@ -38,6 +38,7 @@ private:
     std::filesystem::path target_;
     std::filesystem::path beside_;
     int descriptor_ = -1;
+    bool named_ = false;
 };
 
 /// Writes `content` beside `path` and renames it into place once all of it is on the disk, so that a reader sees the
