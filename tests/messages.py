@@ -102,7 +102,7 @@ def loose_numbers():
 
 def without_chance(text):
     """Without what is different in another checkout, another folder, another process."""
-    text = text.replace(str(running.folder), "TMP").replace(tempfile.gettempdir(), "TMP").replace(str(ROOT), "ROOT")
+    text = text.replace(str(ROOT), "ROOT").replace(str(running.folder), "TMP").replace(tempfile.gettempdir(), "TMP")
     text = re.sub(r"TMP/[^/:;,'\"\s)]+", "TMP/#", text)
     text = re.sub(r"(/dev/pts/|127\.0\.0\.1:|pid |process |: port )\d+", r"\1#", text)
     return re.sub(r"\d+(\.\d+)?(e[-+]?\d+)?", "#", text) if running.loose else text

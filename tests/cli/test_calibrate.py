@@ -600,6 +600,7 @@ open(f"heard/{{count}}", "w").close()
 """
 
 
+@pytest.mark.real_time  # the command's own watchdog is 500 ms
 def test_one_command_plays_and_records(tmp_path, monkeypatch):
     """arecord is a program of ours here, which gives the model's recordings while a virtual board plays."""
     (tmp_path / "bin").mkdir()
