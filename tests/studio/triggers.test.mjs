@@ -77,7 +77,7 @@ test("triggers are made in the page, and a key or a button starts its part on th
   await boardSays(page, "sequence");
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
-  assert.equal(await buttons.count(), 0);
+  await eventually(async () => (await buttons.count()) === 0);
 });
 
 test("words of a script and hands that enter a region start their parts by a named pipe", async (t) => {
