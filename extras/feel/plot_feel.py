@@ -45,7 +45,7 @@ def places(panel, feel):
     over = [np.nan if place["over_db"] is None else place["over_db"] for place in feel["places"]]
     right.plot(at, over, "o", color=ORANGE)
     right.axhline(0, color=ORANGE, lw=0.8, ls="--")
-    right.set_ylabel("strongest line over the least felt / dB", color=ORANGE)
+    right.set_ylabel("vibration over the least felt / dB", color=ORANGE)
 
 
 def noise(panel, feel):

@@ -190,28 +190,11 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
                                    100.0 * number("pressure_left_least"), 100.0 * number("pressure_left_mean")));
 }
 
-/// What would help a shape that is not surely felt: the focus rests for 0.2 s at few places, under a modulation that a
-/// palm feels best, and not far from the axis. A pass of 2.5 s is as long as the boards' sequences can modulate.
-std::string advice(const Manifest& manifest) {
-    const std::vector<Vec3> points = manifest.points();
-    if (points.size() < 2) return "; try --am square:200";
-    constexpr double small_m = 50 * millimetre;
-    Vec3 low = points.front(), high = low;
-    for (const Vec3& p : points) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    const Vec3 extent = high - low;
-    return fmt::format("; try --am square:200 --points 12 --rate 0.4{}",
-                       std::max({extent.x, extent.y, extent.z}) > small_m ? " --size 50" : "");
-}
-
 /// Whether it is felt, where an extra knows.
 void add_verdict(Report& report, const Project& project, const Bundle& bundle) {
     if (!extras().verdict || bundle.manifest.records.empty()) return;
-    std::string verdict = extras().verdict(timeline_of(bundle));
-    if (!verdict.starts_with("felt") && project.is_of_shapes() && project.am.empty() && project.key_frames.empty())
-        verdict += advice(bundle.manifest);
+    const bool advises = project.is_of_shapes() && project.am.empty() && project.key_frames.empty();
+    const std::string verdict = extras().verdict(timeline_of(bundle), advises);
     report.add("verdict", verdict, "hand              " + verdict);
 }
 

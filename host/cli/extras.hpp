@@ -21,8 +21,9 @@ struct Extras {
     std::map<Purpose, std::vector<AddCommand>> commands{};   ///< behind those of the core
     std::map<std::string, std::vector<AddCommand>> below{};  ///< subcommands of a command of the core, by its name
     PathMakers makers{};                                     ///< for whatever compiles
-    /// Whether a hand is expected to feel what plays, as one sentence; empty when nobody knows.
-    std::function<std::string(const Timeline&)> verdict{};
+    /// Whether a hand is expected to feel what plays, as one sentence; `advises`: with the options of compile that
+    /// would help a shape. Empty without the extra that knows.
+    std::function<std::string(const Timeline&, bool advises)> verdict{};
 };
 
 /// Those of this program, registered.

@@ -37,7 +37,8 @@ int make_report(const ReportOptions& options) {
             options.no_picture ? "" : report_picture(timeline, 0, all.in_stage("field").between(0.5, 1.0));
         std::vector<std::string> findings = analysis.warnings;
         for (const Finding& finding : findings_of(analysis.loudness)) findings.push_back(finding.message);
-        page = report_page(timeline, analysis, findings, picture, extras().verdict ? extras().verdict(timeline) : "");
+        page = report_page(timeline, analysis, findings, picture,
+                           extras().verdict ? extras().verdict(timeline, false) : "");
     }
     write_file(options.output, page);
     return 0;

@@ -36,9 +36,8 @@ inline constexpr double slowest_round_hz = 5.0, fastest_round_hz = 200.0;
 /// - 5 dB where the course of displacement thresholds carries the tables on
 /// - more, for a bare hand: the tables begin with one that holds 1 N. From 3 to 1 N the threshold falls by 1.5 dB, and
 ///   as much again is allowed for
-/// - more, for a focus that comes round `rounds_hz` times a second: felt stronger than one that rests under a
-/// modulation
-///   of the same largest force (Takahashi et al. 2020), so that it may be felt as that one would be
+/// - more, for a focus that comes round `rounds_hz` times a second: it is felt stronger than one that rests under a
+///   modulation of the same largest force (Takahashi et al. 2020), so it may be felt as that one would be
 ///
 /// The first three are independent, and their squares are summed.
 /// @param largest_n  the largest force at the place, N
@@ -48,8 +47,7 @@ inline constexpr double slowest_round_hz = 5.0, fastest_round_hz = 200.0;
 
 /// What the places of one image come to: felt when all are, not felt when none is even perhaps.
 [[nodiscard]] Answer answer_of(std::span<const Verdict> places);
-/// The same as a sentence: "felt: clear everywhere, 4.5 dB over the least at 1 place", with the span of what is
-/// expected.
+/// The same as a sentence that begins with the answer and a colon, with the decibels expected and their span.
 [[nodiscard]] std::string sentence_of(std::span<const Verdict> places);
 
 }  // namespace haptogram::perception
