@@ -8,7 +8,6 @@ import contextlib
 import csv
 import json
 import os
-import shutil
 import subprocess
 import tempfile
 import tomllib
@@ -23,6 +22,7 @@ import numpy.typing as npt
 from .errors import ErrorCode, HaptogramError, bad_input
 from .image import Image
 from .metres import FileName, Numbers, is_file, kind, metres, millimetres, mm, numbers, points_of, toml_file
+from .program import find_program
 from .results import Field, Table, native_half, pictures, usage
 
 if TYPE_CHECKING:
@@ -33,16 +33,6 @@ OF_THE_PLACE = ("scale", "size_m", "rotate_deg", "center_m")
 
 
 # ---- what all functions need
-
-
-def _program() -> str:
-    """The C++ program: of HAPTOGRAM_PROGRAM, of the wheel, or on the path."""
-    from ._program import PROGRAM
-
-    found = shutil.which(os.environ.get("HAPTOGRAM_PROGRAM") or (PROGRAM if PROGRAM.exists() else "haptogram"))
-    if found is None:
-        raise HaptogramError(ErrorCode.RUN_FAILED, "haptogram", "there is no such program; pip install the wheel, or let HAPTOGRAM_PROGRAM name one")
-    return found
 
 
 @contextlib.contextmanager
@@ -663,7 +653,7 @@ def _program_said(code: ErrorCode, about: str, said: str) -> HaptogramError:
 def _report(verb: str, source: Source, focus_m: npt.ArrayLike | None, options: Mapping[str, Any]) -> dict[str, Any]:
     """What a command of the program reports as JSON, in metres and newtons."""
     with _work() as work:
-        words = [_program(), verb, "--json"]
+        words = [find_program(), verb, "--json"]
         if isinstance(source, Array):
             place = ",".join(map(repr, mm("focus_m", _one_focus(focus_m))))
             words += [f"--focus={place}", f"--array={source.file_in(work)}"]
@@ -734,7 +724,7 @@ def simulated_board(board: str = "tile-100-wide", *, model: str = "reference") -
     model: "reference", as fast as a real board, or "rtl", the Verilated FPGA.
     """
     with tempfile.TemporaryDirectory(prefix="haptogram-") as folder, open(Path(folder, "said"), "w+", encoding="utf-8") as said:
-        words = [_program(), "board", "run", "--board", str(Path(board).resolve()) if is_file(board) else board, "--model", model]
+        words = [find_program(), "board", "run", "--board", str(Path(board).resolve()) if is_file(board) else board, "--model", model]
         with subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, stderr=said, text=True) as process:
             try:
                 assert process.stdout is not None

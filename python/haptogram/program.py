@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the package's programs end."""
+"""How the package's programs end, and where the C++ program is."""
 import os
+import shutil
 import sys
 from collections.abc import Callable
 
-from .errors import ErrorCode, HaptogramError
+from ._program import PROGRAM
+from .errors import ErrorCode, HaptogramError, bad_input
 
 
 def exit_code_of(name: str, work: Callable[[], int | None], interrupted: int = ErrorCode.RUN_FAILED) -> int:
@@ -27,3 +29,12 @@ def exit_code_of(name: str, work: Callable[[], int | None], interrupted: int = E
     except KeyboardInterrupt:
         return interrupted
     return 0
+
+
+def find_program(given: str | None = None) -> str:
+    """The C++ program: as given, of the environment's HAPTOGRAM_PROGRAM, of the wheel, or `haptogram` on the path."""
+    wanted = given or os.environ.get("HAPTOGRAM_PROGRAM") or (str(PROGRAM) if PROGRAM.exists() else "haptogram")
+    found = shutil.which(wanted)
+    if found is None:
+        raise bad_input(wanted, "there is no such program; pip install the wheel, or let HAPTOGRAM_PROGRAM name one")
+    return found

@@ -15,7 +15,7 @@ from haptogram import __version__
 from haptogram.cli import Parser, whole
 from haptogram.errors import ErrorCode, HaptogramError, bad_input
 from haptogram.markers import Markers, no_mark
-from haptogram.program import exit_code_of
+from haptogram.program import exit_code_of, find_program
 from . import design, program, results, touching
 from . import protocol as protocols
 from .asking import Keyboard, Observer, Page, Stopped
@@ -64,7 +64,7 @@ def _plays(protocol: Protocol, made_for: MadeFor, given: str | None) -> str:
     if not protocol.stimulus.compile:
         return "; needs no board"
     with tempfile.TemporaryDirectory() as folder:
-        made = Compiler(protocol, made_for, Path(folder), program.find(given))
+        made = Compiler(protocol, made_for, Path(folder), find_program(given))
         made.fit(design.stimuli(protocol, 1, 1))
     return f"; its stimuli fit {' '.join(filter(None, (made_for.board, made_for.array)))}" + "".join(f", with {name} = {value}" for name, value in made.fitted.items())
 
@@ -87,15 +87,15 @@ def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
         raise bad_input("--on-trigger", f"a board begins an image when its trigger input says so; {protocol.name} has live stimuli, or no --port was given")
     made_for = _made_for(options)
     if protocol.stimulus.live and options.ports:
-        return Live(protocol, made_for, program.find(options.program), options.ports, options.baud, options.sources)
+        return Live(protocol, made_for, find_program(options.program), options.ports, options.baud, options.sources)
     if options.sources:
         raise bad_input("--from", f"{protocol.name} has no live stimuli, or no --port was given to play them on")
     if len(options.ports) > 1:
         raise bad_input("--port", f"is given {len(options.ports)} times; the stimuli of {protocol.name} are for one board")
     if options.ports:
-        return Board(protocol, made_for, Path(options.images or "study-images"), program.find(options.program), options.ports[0], options.baud, options.on_trigger)
+        return Board(protocol, made_for, Path(options.images or "study-images"), find_program(options.program), options.ports[0], options.baud, options.on_trigger)
     if options.images:
-        return Compiler(protocol, made_for, Path(options.images), program.find(options.program))
+        return Compiler(protocol, made_for, Path(options.images), find_program(options.program))
     if made_for != MadeFor():
         raise bad_input("--board" if made_for.board else "--array", "is what stimuli are made for, and none is made; give --port, or --images")
     return Presenter(protocol)
@@ -114,7 +114,7 @@ def _observer(options: argparse.Namespace, protocol: Protocol) -> Observer:
     if options.observer == "page":
         return Page(protocol.trials)
     if options.observer == touching.NAME:
-        return touching.Hand(protocol, program.find(options.program))
+        return touching.Hand(protocol, find_program(options.program))
     return simulated(protocol, options.observer)
 
 
