@@ -223,8 +223,7 @@ void add_stream(CLI::App& app, Action& action) {
     auto* live = sub->add_flag(
         "--live", options->live,
         "A new pattern in each carrier period, on boards that take streams of them: the line 'patterns CHANNELS', then "
-        "two "
-        "bytes for each channel, its phase in 1/256 of the period and its amplitude in 1/255; with --foci lines as "
+        "two bytes for each channel, its phase in 1/256 of the period and its amplitude in 1/255; with --foci lines as "
         "above, for as many periods as their dwell says. What comes too late for its period is counted and not played");
     live->excludes(path);
     auto* rig = add_rig_port_options(*sub, options->ports);

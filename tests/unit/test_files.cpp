@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <csignal>
@@ -62,6 +64,32 @@ TEST_CASE("files: a failed write leaves what was there and nothing beside it", "
     REQUIRE_FALSE(fs::exists(b));
     REQUIRE(folder.files() == 1);
 }
+
+TEST_CASE("files: what is not whole has no name, so nothing stays of it when the program is killed", "[files]") {
+    Folder folder;
+    const int nameless = ::open(folder.path().c_str(), O_TMPFILE | O_RDWR, 0600);
+    if (nameless < 0) {
+        WARN("not tested: this file system knows no files without a name");
+        return;
+    }
+    ::close(nameless);
+    {
+        StagedFile given_up(folder.path() / "a");
+        given_up.fill("x");
+        CHECK(folder.files() == 0);
+    }
+    StagedFile file(folder.path() / "a");
+    file.fill("whole");
+    CHECK(folder.files() == 0);
+    // A library that writes by name may put another file in its place.
+    fs::remove(file.beside());
+    write_file(file.beside(), "written by name");
+    file.commit();
+    CHECK(folder.files() == 1);
+    CHECK(read_file(folder.path() / "a") == "written by name");
+}
+
+TEST_CASE("files: a device that has no end is refused", "[files]") { REQUIRE_REFUSED(read_file("/dev/zero")); }
 
 TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") {
     Folder folder;

@@ -22,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int standard_input = 0, standard_output = 1, standard_error = 2;
-constexpr std::size_t most_of_a_stream = std::size_t{256}
-                                         << 20;  // of bytes: pipes and devices do not say how many come
+/// Bytes of a pipe or a device, which do not say how many come.
+constexpr std::size_t most_of_a_stream = std::size_t{1} << 28;
 
 std::string reason() { return std::generic_category().message(errno); }
 
