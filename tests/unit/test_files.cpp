@@ -2,18 +2,22 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "../refusal.hpp"
 #include "haptogram/array/array.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/live_input.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/format/bundle.hpp"
 #include "haptogram/format/pulses.hpp"
@@ -90,6 +94,24 @@ TEST_CASE("files: what is not whole has no name, so nothing stays of it when the
 }
 
 TEST_CASE("files: a device that has no end is refused", "[files]") { REQUIRE_REFUSED(read_file("/dev/zero")); }
+
+TEST_CASE("files: a named pipe is read whole, and nobody waits for ever for who writes into it", "[files]") {
+    using namespace std::chrono_literals;
+    const Folder folder;
+    const fs::path pipe = folder.path() / "pipe";
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    std::string nothing;
+    CHECK_FALSE(LiveInput(pipe).read(nothing, 1ms));
+    const std::string content(100'000, 'x');  // more than a pipe holds
+    std::thread writer([&] {
+        std::ofstream out(pipe);
+        out << content.substr(0, 10) << std::flush;
+        std::this_thread::sleep_for(20ms);
+        out << content.substr(10);
+    });
+    CHECK(read_file(pipe) == content);
+    writer.join();
+}
 
 TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") {
     Folder folder;

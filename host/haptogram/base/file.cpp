@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -24,22 +25,16 @@ namespace fs = std::filesystem;
 constexpr int standard_input = 0, standard_output = 1, standard_error = 2;
 /// Bytes of a pipe or a device, which do not say how many come.
 constexpr std::size_t most_of_a_stream = std::size_t{1} << 28;
+constexpr std::chrono::seconds most_silence{60};
 
 std::string reason() { return std::generic_category().message(errno); }
 
-/// Owns a descriptor; `std::ofstream` would lose the reason of a failure, and cannot sync.
-class Descriptor {
-public:
-    explicit Descriptor(int number) : number_(number) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
+/// Is closed at the end; `std::ifstream` would lose the reason of a failure.
+struct Descriptor {
+    const int number;
     ~Descriptor() {
-        if (number_ > standard_error) system::close(number_);
+        if (number > standard_error) system::close(number);
     }
-    [[nodiscard]] int get() const { return number_; }
-
-private:
-    int number_;
 };
 
 /// False, with errno set, when not everything could be written.
@@ -110,14 +105,16 @@ void StagedFile::fail() const { throw cannot_write(path_); }
 std::string read_file(const std::filesystem::path& path) {
     if (const auto shipped = shipped_file(path.string())) return std::string(*shipped);
     if (std::optional<std::string> bundled = read_bundled(path)) return *std::move(bundled);
-    const Descriptor file(path == "-" ? system::standard(standard_input) : system::open_to_read(path));
-    if (file.get() < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));
+    const Descriptor file{path == "-" ? system::standard(standard_input) : system::open_to_read(path)};
+    if (file.number < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));
     std::string content;
     std::error_code no_file;
     if (const std::uintmax_t size = fs::file_size(path, no_file); !no_file) content.reserve(size);
+    if (no_file && path != "-" && !system::wait_to_read(file.number, most_silence))
+        throw bad_input(path.string(), fmt::format("nobody wrote into it for {} s", most_silence.count()));
     std::array<char, 1 << 16> buffer{};
     for (;;) {
-        const std::ptrdiff_t count = system::read(file.get(), buffer.data(), buffer.size());
+        const std::ptrdiff_t count = system::read(file.number, buffer.data(), buffer.size());
         if (count < 0 && errno == EINTR) continue;
         if (count < 0) throw bad_input(path.string(), fmt::format("cannot be read: {}", reason()));
         if (count == 0) return content;

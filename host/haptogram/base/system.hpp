@@ -10,6 +10,7 @@
 /// Where one fails, errno says why.
 namespace haptogram::system {
 
+/// Waits for nobody who writes into a named pipe.
 /// @return a descriptor of bytes, not of lines; −1 when it fails
 [[nodiscard]] int open_to_read(const std::filesystem::path& path);
 /// A named pipe that is not waited for, and whose end no writer brings.

@@ -22,7 +22,11 @@ namespace haptogram::system {
 
 namespace fs = std::filesystem;
 
-int open_to_read(const fs::path& path) { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC); }
+int open_to_read(const fs::path& path) {
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor >= 0) static_cast<void>(::fcntl(descriptor, F_SETFL, 0));
+    return descriptor;
+}
 
 int open_pipe(const fs::path& path) {
     struct stat status = {};
