@@ -56,7 +56,7 @@ class Port:
         try:
             self._serial.reset_output_buffer()
         except FAILURES as error:
-            raise self._gone(error) from error
+            raise self._gone() from error
         end = time.monotonic() + URGENT_WAIT_S
         while (data := self._put(data)) and time.monotonic() < end:
             pass
@@ -78,9 +78,9 @@ class Port:
         except BlockingIOError:
             return b""
         except FAILURES as error:
-            raise self._gone(error) from error
+            raise self._gone() from error
         if not data:
-            raise self._gone(OSError("hung up"))
+            raise self._gone()
         return data
 
     def drain(self) -> None:
@@ -88,7 +88,7 @@ class Port:
         try:
             self._serial.reset_input_buffer()
         except FAILURES as error:
-            raise self._gone(error) from error
+            raise self._gone() from error
 
     def close(self) -> None:
         self._serial.close()
@@ -102,7 +102,7 @@ class Port:
         except BlockingIOError:
             return data
         except FAILURES as error:
-            raise self._gone(error) from error
+            raise self._gone() from error
 
-    def _gone(self, error: Exception) -> HaptogramError:
-        return device_error(self.path, f"the port is gone ({error}); was it unplugged, or its virtual board ended?")
+    def _gone(self) -> HaptogramError:
+        return device_error(self.path, "the port is gone; was it unplugged, or its virtual board ended?")

@@ -205,5 +205,5 @@ def test_an_unplugged_board_is_named(tmp_path):
         timer.start()
         said = run(["device", "self-test", "--port", "port", "--check", "clock"], cwd=tmp_path, timeout=300)
         assert said.returncode == DEVICE
-        program_said(said.returncode, said.stderr)
+        program_said(said.returncode, said.stderr.partition(b";")[0])  # what was on its way then is a matter of chance
         timer.join()

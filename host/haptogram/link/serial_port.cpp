@@ -31,9 +31,9 @@ struct SerialPort::Port {
     asio::serial_port serial{context};
 
     [[nodiscard]] Error error(const std::string& message) const { return {ErrorCode::device, path, message}; }
-    [[nodiscard]] LinkLost gone(const boost::system::error_code& reason) const {
-        return {path,
-                fmt::format("the port is gone ({}); was it unplugged, or its virtual board ended?", reason.message())};
+    /// Whatever the system's word for that is: it differs from moment to moment.
+    [[nodiscard]] LinkLost gone() const {
+        return {path, "the port is gone; was it unplugged, or its virtual board ended?"};
     }
 };
 
@@ -76,8 +76,7 @@ void SerialPort::write(std::span<const std::uint8_t> bytes) {
         if (wait_to_write(port_->serial.native_handle(), 50ms)) {
             boost::system::error_code error;
             const std::size_t count = port_->serial.write_some(asio::buffer(bytes.data(), bytes.size()), error);
-            if (error && error != asio::error::would_block && error != asio::error::interrupted)
-                throw port_->gone(error);
+            if (error && error != asio::error::would_block && error != asio::error::interrupted) throw port_->gone();
             bytes = bytes.subspan(count);
             if (bytes.empty()) return;
             if (count > 0) took_some = std::chrono::steady_clock::now();
@@ -122,7 +121,7 @@ std::vector<std::uint8_t> SerialPort::read(std::chrono::microseconds patience) {
         port_->serial.cancel();
         port_->context.run();  // the read ends now, with what came in the last moment or with nothing
     }
-    if (outcome && outcome != asio::error::operation_aborted) throw port_->gone(outcome);
+    if (outcome && outcome != asio::error::operation_aborted) throw port_->gone();
     return {buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
