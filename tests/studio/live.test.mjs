@@ -112,24 +112,26 @@ test("the project's table [live] holds, and a design without a hand says what is
 });
 
 test("STOP, and a page that goes away, end a session at once", async (t) => {
-  const { studio, page } = await touching(t, { colorScheme: "dark" });
+  const { studio, page, scenes } = await touching(t, { colorScheme: "dark" });
   await begin(page);
   await runs(page);
   await page.keyboard.press("Escape");
   await over(page);
   await boardSays(page, "outputs off");
   assert.equal(sessions(studio).length, 0);
-  // One that is still being prepared must not begin behind it.
+  // One that is still being prepared must not begin behind it, and one that has just begun must end before anything of it plays.
   await page.getByRole("button", { name: /^Feel it/ }).click({ trial: true }); // until the board is back
+  const drawn = scenes.length;
   await page.evaluate(() => {
     const press = (words) => [...document.querySelectorAll("button")].find((button) => words.test(button.textContent)).click();
     press(/^Feel it/);
     document.getElementById("stop").click();
   });
-  await page.getByText("STOP was pressed before it began").waitFor();
   await sleep(500);
-  assert.equal(sessions(studio).length, 0);
+  await eventually(() => sessions(studio).length === 0);
+  await page.getByText(/STOP was pressed before it began|The session is over/).first().waitFor();
   await boardSays(page, "outputs off");
+  assert.equal(scenes.length, drawn);
   await begin(page);
   await runs(page);
   await eventually(async () => Number(await row(page, "Foci in turn")) > 0);
