@@ -269,6 +269,25 @@ TEST_CASE(
     }
 }
 
+TEST_CASE(
+    "contract 14: while the stop input is active a gate for the trigger is refused, and what it would gate, too") {
+    TriggerBench bench;
+    bench.client.enable();
+    bench.board.press_stop(true);
+    bench.board.run(100);
+    REQUIRE_REFUSED(bench.client.start(1, 3, 0, When::at_trigger()));
+    bench.board.press_stop(false);
+    bench.board.run(100);
+    bench.client.enable();
+    bench.toggle(100);
+    bench.board.run(20 * period_clocks);
+    CHECK(bench.recorder.pulses().empty());
+    bench.client.start(1, 3, 0, When::at_trigger());  // and one behind it begins as ever
+    bench.toggle(100);
+    bench.board.run(20 * period_clocks);
+    CHECK_FALSE(bench.recorder.pulses().empty());
+}
+
 TEST_CASE("contract 14: while the input gates, no pin is high, and the sequence goes on in time") {
     TriggerBench bench;
     bench.set({.gates = true});

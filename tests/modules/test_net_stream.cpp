@@ -270,7 +270,7 @@ private:
 
 TEST_CASE("stream: each pattern plays in its own carrier period, and where one is missing the last one stays") {
     const bool lossy = GENERATE(false, true);
-    const auto periods = static_cast<long>(haptogram::test::soaked(100'000, 1'500));
+    const auto periods = static_cast<long>(haptogram::test::soaked(100'000, 600));
     const long lead = has_sdram ? 1'000 : 30;
     constexpr unsigned hold = 100;
     Stream stream(hold);
@@ -473,9 +473,57 @@ TEST_CASE("stream: of a stream that DISABLE ended nothing plays, however soon EN
     CHECK(late == 0);
 }
 
-TEST_CASE("stream: DISABLE, STOP, a new session, a lost link and other commands forget what waits") {
+TEST_CASE("stream: SELECT ends a stream, or comes about its end, and nothing of that plays once more") {
+    const bool timed = GENERATE(false, true), ends = GENERATE(false, true);
+    const std::size_t tries = haptogram::test::soaked(1250, 48);
+    constexpr std::uint16_t selected = 1, hold = 4, selected_width = 60;  // of the stream's pulses none is so short
+    Stream stream(hold, 65535, Stream::first_index, timed ? 0 : 1);
+    if (timed) stream.pattern_of = timings;
+    Network& network = stream.network;
+    std::vector<std::uint16_t> record(record_words, 300);
+    std::fill_n(record.begin(), interface::record_header_words, 0);
+    interface::record_field::cycle_length.set(record, cycle);
+    interface::record_field::prescaler.set(record, 1);
+    interface::record_field::pulse_length.set(record, selected_width);
+    stream.write(0, record);
+    REQUIRE(network.answered(network.replies.size() + 1));
+    long again = 0, late = 0, streamed = 0;
+    for (std::size_t k = 0; k < tries; ++k) {  // in every part of a period
+        const long begin = stream.now() + 6, last = begin + patterns_a_datagram - 1;
+        stream.send(stream.datagram(begin));
+        stream.run_to(ends ? last + hold - 1 + static_cast<long>(k % 4) : begin + 3);
+        for (const long before = stream.now(); stream.now() == before;) network.run(20);
+        network.run(25'000.0 * static_cast<double>(k) / static_cast<double>(tries));
+        const long sent = stream.now();
+        stream.send(network.frame(Command::select, {selected, 0, 0, 0}));
+        stream.run_to(sent + 8);
+        const auto of_stream = [&](long p) {
+            return stream.pins.indices[static_cast<std::size_t>(p)] >= Stream::first_index;
+        };
+        long over = begin;  // the first period that plays something else
+        while (over < stream.now() && of_stream(over)) {
+            ++streamed;
+            const unsigned index = stream.pins.indices[static_cast<std::size_t>(over)];
+            again += index != stream.slot_of(std::min(over, last)) && over > sent + 2;
+            ++over;
+        }
+        late += over > std::min(sent + 3, last + hold + 2);
+        for (long p = over; p < stream.now(); ++p) again += of_stream(p);
+        const long clock = stream.pins.starts[static_cast<std::size_t>(over)];
+        for (const Pins::Pulse& pulse : stream.pins.pulses)
+            again += pulse.rise > clock + cycle / 2 && pulse.fall - pulse.rise > selected_width + 2;
+        stream.send(network.frame(Command::select, {0, 0, 0, 0}));
+        network.run(100'000);
+        stream.pins.pulses.clear();
+    }
+    CHECK(again == 0);
+    CHECK(late == 0);
+    CHECK(streamed > static_cast<long>(3 * tries));
+}
+
+TEST_CASE("stream: DISABLE, STOP, the stop input, a new session, a lost link and other commands forget what waits") {
     Stream stream(5);
-    const int what = GENERATE(range(0, 7));
+    const int what = GENERATE(range(0, 8));
     const long begin = stream.now() + 30;
     stream.send(stream.datagram(begin));
     stream.run_to(begin - 20);
@@ -486,7 +534,11 @@ TEST_CASE("stream: DISABLE, STOP, a new session, a lost link and other commands 
         case 3: stream.network.send(stranger, {'H', 'G', 5, 0}, open_port); break;
         case 4: stream.settings({Stream::first_index, slot_bits, 5, 65535}); break;
         case 5: stream.write(interface::parameters_base, std::array<std::uint16_t, 1>{8}); break;  // foci_base
-        default: stream.send(stream.network.frame(Command::select, {0, 0, 0, 0})); break;
+        case 6: stream.send(stream.network.frame(Command::select, {0, 0, 0, 0})); break;
+        default:
+            stream.network.bench->i_stop = 1;
+            stream.network.run(200);
+            stream.network.bench->i_stop = 0;
     }
     stream.network.run(100'000);
     if (what == 3) stream.send(stream.network.frame(Command::identify));  // which ended the session
