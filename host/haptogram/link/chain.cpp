@@ -146,8 +146,7 @@ std::vector<std::uint8_t> Chain::read(unsigned number, std::chrono::microseconds
     }
 }
 
-/// Keeps each tile's answers for the transport of that tile. Frames without a header, or with a damaged one, are
-/// dropped.
+/// Keeps each tile's answers for its transport. Drops frames without a header, or with a damaged one.
 void Chain::sort(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t byte : bytes) {
         if (frame_.size() < longest_frame || byte == 0) frame_.push_back(byte);
