@@ -2,10 +2,10 @@
 //
 // Holds the indices that arrived over the link and wait to be played: a FIFO of (dwell, index).
 //
-// A frame may carry many indices, and a refused frame must push none. So i_push only adds provisionally; i_keep makes all that
-// was pushed readable, and i_take_back removes it again. o_valid/i_take is the reading side; its data stays until it is taken.
-// An entry can be read two clocks after i_keep at the latest. i_clear empties everything. i_mark with i_keep says that what it keeps
-// must wait: while i_closed is high, nothing from there on is read.
+// A frame may carry many indices, and a refused frame must push none. So i_push only adds provisionally; i_keep makes all pushed entries
+// readable, and i_take_back removes them again. o_valid/i_take is the reading side; its data stays until it is taken. An entry can be read
+// two clocks after i_keep at the latest. i_clear empties everything. i_mark with i_keep marks the kept entries: while i_closed is high,
+// nothing from the first of them on is read.
 // DEPTH is how many indices can wait: a power of two from 4 to 32768, so that its pointers wrap by themselves.
 `default_nettype none
 module live_fifo #(

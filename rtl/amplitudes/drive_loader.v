@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What drive_player does once a record: reads the next one, and fills a bank of the drive memory with a word of each channel.
+// The first stage of drive_player: once a record, reads the next record and fills a bank of the drive memory with a word of each channel.
 //
-// The words are the record's own, or what the focus engine makes of its foci. i_entry/o_take, i_common and the reading are memory_controller's.
-// o_ready comes with the last word, or for silence, which has none, at once; then the fields beside it hold until i_take_over, which may
-// come while o_ready is high. i_preempt drops what is loading or loaded. Meanwhile the other bank, i_swept, is read: o_word is there two
-// clocks after i_channel. o_far strobes when a record is complete one of whose foci was too far to count.
+// The words are the record's own, or the focus engine's results for the record's foci. i_entry/o_take, i_common and the reading are
+// memory_controller's. o_ready comes with the last word, or at once for silence, which has no words; then the fields beside it hold until
+// i_take_over, which may come while o_ready is high. i_preempt drops the record that is loading or loaded. Meanwhile the other bank, i_swept,
+// is read: o_word is there two clocks after i_channel. o_far strobes when a record is complete one of whose foci was too far to count.
 // Geometry is written one word a strobe, while no record of foci is made. The parameters are those of drive_player.
 `default_nettype none
 `include "interface.vh"

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What player is, for channels that each have an amplitude: from the next (index, dwell) to the pins, in two stages that do not wait
-// for each other.
+// The counterpart of player for channels that each have an amplitude: from the next (index, dwell) to the pins, in two stages that do not
+// wait for each other.
 //
-// Once a record, its words go into the drive memory: timings, phases and amplitudes, or what the focus engine makes of foci. Once a
-// carrier period, period_controller has them made into the generators' words: modulation, slew limit, width, and puts those to use
-// at the period's end. Its other ports are those of player. Settings (parameters, geometry, samples) are written one word a strobe;
+// Once a record, the first stage writes the record's words into the drive memory: timings, phases and amplitudes, or the focus engine's
+// results. Once a carrier period, period_controller has these made into the generators' words (modulation, slew limit, width), which take
+// effect at the period's end. The other ports are those of player. Settings (parameters, geometry, samples) are written one word a strobe;
 // a sample must not be written while o_fetching. o_sample_word follows i_read_address by two clocks, o_parameter_word by one.
-// i_modulate and what comes with it are the command MODULATE's; i_modulates says when that takes effect.
-// The parameters are the core's and player's. MAX_DUTY_256 must be at least 128, because full amplitude is half of the cycle.
+// i_modulate and the ports of its arguments are the command MODULATE's; i_modulates says when the command takes effect. The parameters are
+// the core's and player's. MAX_DUTY_256 must be at least 128, because full amplitude is half of the cycle.
 `default_nettype none
 `include "interface.vh"
 module drive_player #(

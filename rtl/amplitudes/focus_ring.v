@@ -2,14 +2,14 @@
 //
 // The ring in primary memory into which PUSH_FOCI writes focus records: where the next one goes, and which index it has.
 //
-// A record is free again when its index has been taken out of the live FIFO and the next one, too, because it may still be read until
-// then. So a ring of more records than the FIFO has places never overwrites one that waits, and the FIFO's free places are those of the
-// ring. A frame that is refused has written free places only, and what it wrote counts for nothing: the ring's end moves with i_keep.
-// o_usable and o_fits judge a frame: the ring is as the ring block in INTERFACE.md demands, and its words find room. They are valid two clocks
-// after what they judge: settings of an earlier frame, i_tail_words and i_live_free. From i_settle on o_address is where the frame's first word goes; with each i_write the next
-// word goes to the next address, or to o_start after o_wraps. o_complete says that the word of i_write is the last one of its record, whose
-// index is o_index; o_split that words of an incomplete record were the last.
-// PRIMARY_WORDS and RECORDS are the core's, LIVE_DEPTH, too. WORD_BITS is as wide as the address of a 16-bit word in the largest region.
+// A record is free again when its index and the next index have been taken out of the live FIFO, because the record may still be read until then. So a ring of more records than
+// the FIFO has places never overwrites a waiting record, and the FIFO's free places are those of the ring. A refused frame has written to free places only, and its records do
+// not count: the ring's end moves with i_keep.
+// o_usable and o_fits judge a frame: the ring is as the ring block in INTERFACE.md demands, and the frame's words find room. They are valid two clocks after their inputs:
+// settings of an earlier frame, i_tail_words and i_live_free. From i_settle on o_address is the place of the frame's first word. With each i_write the next word goes to the
+// next address, or to o_start after o_wraps. o_complete says that the word of i_write is the last one of its record, whose index is o_index; o_split says that the frame ended
+// within a record.
+// PRIMARY_WORDS, RECORDS and LIVE_DEPTH are the core's. WORD_BITS is as wide as the address of a 16-bit word in the largest region.
 `default_nettype none
 `include "interface.vh"
 module focus_ring #(

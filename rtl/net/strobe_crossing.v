@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Brings a strobe from one clock domain into another. Strobes that follow each other within some four clocks of the slower one may become
-// one or none at all: only for what comes rarely, such as a datagram.
+// Brings a strobe from one clock domain into another. Strobes within some four clocks of the slower domain may become one strobe or none at
+// all, so this module is only for rare strobes, such as one a datagram.
 `default_nettype none
 module strobe_crossing (
     input  wire i_clk,

@@ -3,8 +3,8 @@
 // Gathers the words that a frame writes into a run of whole words of an SDRAM, because the chip cannot write halves of a word.
 //
 // Addresses are those of 16-bit words, two of which make a word of the chip. A word is taken in each clock with i_write, unless o_hold is
-// high. Each goes behind the one before it, until the run ends: i_more falls, or behind a word with i_ends. Then it is written as one run.
-// Where that begins or ends within a word of the chip, the other half is read before: nobody else writes.
+// high. Each word goes behind the one before it, until the run ends: i_more falls, or after a word with i_ends. Then the words are written as
+// one run. If the run begins or ends within a word of the chip, the other half is read first; no other module writes to the chip.
 // o_busy: something is not written yet. o_pending: a run has ended and waits, or is being written.
 // i_ask and the rest of the run's ports are those of sdram_controller. There must be room for the longest frame: 2^RUN_BITS words of the chip.
 `default_nettype none

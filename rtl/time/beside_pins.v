@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Delays what is said beside the pins as the pins are: by one tick and two clocks.
+// Delays the signals that describe the pins by as much as the pins: by one tick and two clocks.
 //
-// With a tick come i_index, the record that it belongs to, and i_cycle_start, which says that it is the first of its cycle; with that
-// i_tag, which is 0 between two of them behind the pins.
+// A tick comes with i_index, its record, and with i_cycle_start if it is the first tick of its cycle. i_tag comes with i_cycle_start;
+// behind the pins the tag is 0 between two cycle starts.
 `default_nettype none
 module beside_pins (
     input  wire        clk,

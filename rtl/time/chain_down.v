@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Shares the host's serial line with the tiles behind this one: passes frames on to the next tile, and shows this tile's own
-// receiver only what is for it.
+// Shares the host's serial line with the tiles behind this one: passes frames on to the next tile, and shows this tile's own receiver only
+// the frames for this tile.
 //
-// In a chain each frame begins with two bytes that say for whom it is: 2 · n + 1 for the n-th tile from here, 2 for all, and then
-// the complement of the upper seven bits above a 1. A tile counts n down as it passes them on, so a tile's number is its place in
-// the chain and nobody has to give it one; the complement is counted up, and shows when one of the two was damaged, which no
-// CRC covers. Both counts go from the lowest bit to the highest, as the bits of a byte come: each bit is passed on in its
-// middle, and with a new edge, so that nothing is stored and a line through many tiles is as good as one of a metre. A byte whose lowest
-// bit is 0 is never counted, so a zero, which ends a frame whatever came before, is passed on as a zero.
-// Until the frame of nothing but "for all" has come (o_chained) the line is this tile's alone, as without a chain, and none of it
-// is passed on; so a host finds the tiles one by one. A break ends this again, and is passed on.
+// In a chain each frame begins with two address bytes: 2 · n + 1 for the n-th tile from here, 2 for all, and then the complement of the
+// upper seven bits above a 1. A tile counts n down while passing these bytes on, so a tile's number is its place in the chain and need not
+// be set. The complement is counted up. It shows damage to one of the two bytes, which no CRC covers. Both counts go from the lowest bit to
+// the highest, as the bits of a byte come. Each bit is passed on in its middle, with a new edge, so nothing is stored, and a line through
+// many tiles is as good as one of a metre. A byte whose lowest bit is 0 is never counted, so a zero, which ends a frame whatever came
+// before, is passed on as a zero.
+// Until the frame of nothing but "for all" has come (o_chained), the line belongs to this tile alone, as without a chain, and nothing is
+// passed on; so a host finds the tiles one by one. A break ends the chain again, and is passed on.
 // STEP is that of uart_rx. The line must have been synchronised.
 `default_nettype none
 `include "interface.vh"

@@ -2,15 +2,15 @@
 //
 // Shares the line to the host with the tiles behind this one: sends this tile's answers and theirs, one whole frame after another.
 //
-// In a chain (i_chained) each frame begins with the two bytes that chain_down.v describes: this tile's own with those of the
-// nearest tile; those from the next tile are counted up as they pass, so that the host is told who answers. What comes from there
-// goes first, because only this tile's own answers can wait: a frame of its own begins when nothing else is there, and whatever
-// comes in the meantime is kept in a FIFO. A frame from the next tile that stops in its middle, as when that tile is switched
-// off, is ended after 24 bits of silence, so that it holds nobody up.
+// In a chain (i_chained) each frame begins with the two bytes that chain_down.v describes. This tile's own frames have those of the nearest
+// tile; the bytes of frames from the next tile are counted up as they pass, so the host learns which tile answers. Frames from the next
+// tile go first, because only this tile's own answers can wait: an own frame begins when no other frame is there, and bytes that come
+// meanwhile are kept in a FIFO. A frame from the next tile that stops in its middle, for example because that tile is switched off, is
+// ended after 24 bits of silence, so the line is free again.
 // Without a chain, bytes go through in the clock in which they come, and the next tile is not listened to.
-// STEP is that of uart_rx, BIT_CLOCKS the length of a bit in clocks. BYTES is the size of the FIFO: a power of two, more than the
-// longest frame of this tile and the two bytes before it; lines of equal rate then never fill it. A byte too many is dropped,
-// and the frame it belongs to is damaged.
+// STEP is that of uart_rx, BIT_CLOCKS the length of a bit in clocks. BYTES is the size of the FIFO: a power of two, more than the longest
+// frame of this tile and the two bytes before it; lines of equal rate then never fill it. A byte too many is dropped, and its frame is
+// damaged.
 `default_nettype none
 `include "interface.vh"
 module chain_up #(

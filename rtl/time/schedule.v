@@ -2,16 +2,16 @@
 //
 // Lets START, PUSH and MODULATE wait: for a carrier period, or START and MODULATE for the end of what plays.
 //
-// GATE says what the next of them waits for. One that waits has been answered already; here are its arguments and its turn. What
-// waits for a period goes on when i_count is one less, because a change takes effect with the next period; so it begins in the
-// period that was named, or, when its first record cannot be loaded in the time of one period, in a later one, never before. When
-// that moment had passed as the command came, it acts at once, and o_late strobes. There is one period at a time that things can wait
-// for: o_busy says that the arguments name another one.
-// With TRIGGER, START and MODULATE can wait for i_trigger, too, as for a period that only this one brings. Whatever switches outputs off
-// ends that wait: what a host armed while outputs were on does not begin when it has enabled them anew.
-// Of a START and a PUSH that wait for the same period the later one stays, as without a gate.
-// Indices that are pushed behind a gate go into the live FIFO at once, and o_closed keeps the FIFO from giving them out. A START that
-// acts by itself empties the FIFO; if that happens while a PUSH is writing there, what is left of that PUSH is taken back, too.
+// GATE names the period that the next command waits for. A waiting command has been answered already; this module holds its arguments and
+// says when its turn comes. A command that waits for a period goes on when i_count is one less, because a change takes effect with the next
+// period. So the change begins in the named period or, if its first record takes longer than a period to load, in a later one, never
+// before. If that moment had passed when the command came, the command acts at once, and o_late strobes. Commands can wait for one period
+// at a time: o_busy says that the arguments name another one.
+// With TRIGGER, START and MODULATE can also wait for i_trigger. Whatever switches outputs off ends that wait: a command that was armed
+// while outputs were on does not begin after outputs have been enabled again.
+// If a START and a PUSH wait for the same period, the later one stays, as without a gate.
+// Indices that are pushed behind a gate go into the live FIFO at once, and o_closed keeps the FIFO from giving them out. A START that does
+// not wait empties the FIFO. If a PUSH is writing then, the rest of that PUSH is taken back, too.
 `default_nettype none
 `include "interface.vh"
 module schedule #(

@@ -2,11 +2,12 @@
 //
 // The trigger pins and the test output: marks events at o_trigger with their clocks, and says when the trigger input comes.
 //
-// o_trigger rises one clock after the event at the pins, which is that behind i_cycle_start or i_playing, and is high for the clocks asked for.
-// i_trigger is any signal: a change counts after it has lasted for in_least clocks behind its first. o_fires is the start that waits for it;
-// while o_mute is high no pulse may reach the pins. Nothing here enables outputs: it only holds them low, or says when something begins.
+// o_trigger rises one clock after the event at the pins (i_cycle_start, i_playing) and stays high for the number of clocks asked for. i_trigger
+// may be any signal: a change counts after it has lasted for in_least clocks behind its first. o_fires starts the command that waits for the
+// trigger. While o_mute is high no pulse may reach the pins. This module never enables outputs; it only holds them low, or says when something
+// begins.
 // The clock counts from power-up. A stamp is the clock in which the pin has its new level, for both pins alike, whatever in_least is.
-// The settings are written one word a strobe; o_word follows i_read_address by one clock. What can only be read is that of the last i_answer.
+// The settings are written one word a strobe; o_word follows i_read_address by one clock. Read-only words are those of the last i_answer.
 // Settings, clock and counts have no reset; rst ends a pulse and makes the input inactive.
 `default_nettype none
 `include "interface.vh"

@@ -137,7 +137,21 @@ class Keyboard:
 
 class Page:
     """A page that another program shows: what it is to show goes to standard output, and what a person did there comes from standard input, a
-    line of JSON each; README.md has the table. What waits for the person has a number, so that a late answer cannot answer the next question."""
+    line of JSON each. What waits for the person has a number, so that a late answer cannot answer the next question.
+
+    Standard output:
+    {"show": "tell", "text"}: title, instructions, which trial
+    {"show": "ready", "number", "trial", "of", "presented"}: waits for the start of the trial; `presented` tells the experimenter the stimulus
+    {"show": "ask", "number", "trial", "of", "text", "kind", "keys", "from", "to", "whole", "limit_s"}: waits for an answer; `keys` are pairs of
+        key and meaning, or null
+    {"show": "wrong", "number", "text"}: the answer was not valid, and the runner still waits
+    {"show": "late"}: the time ran out
+    {"show": "rest", "seconds"}: a pause
+
+    Standard input:
+    {"do": "answer", "number", "text"}: what a person would type; another number than that of the waiting question is ignored
+    {"do": "stop"}, or end of input: stops; the session can continue later
+    Any other line ends the runner with code 3."""
 
     name, waits = "page", True
 

@@ -71,13 +71,13 @@ struct SliceMessage {
     std::uint32_t view = 0;    ///< 0 to 3: each of a page's views waits for itself
 };
 inline constexpr std::uint32_t most_views = 4;
-/// Compute a slice of what a focus at each of its points could have. It is answered as a SliceMessage is; its record is
-/// 0.
+/// Compute a slice whose value at each point is that of a focus placed there. The answer is that of a SliceMessage;
+/// the record is 0.
 struct ReachMessage {
     SliceMessage slice;
 };
-/// Compute a scene's field at places, as those of a hand's skin. It is answered as a SliceMessage is, with all values
-/// in one row; its origin and edges are not used.
+/// Compute a scene's field at places, such as those of a hand's skin. The answer is that of a SliceMessage, with all
+/// values in one row; origin and edges are not used.
 struct SkinMessage {
     SliceMessage slice;
     std::vector<Vec3> points;  ///< metres; millimetres, x, y, z of each in a row, on the line

@@ -29,7 +29,7 @@ HWY_INLINE V mul_add(V a, V b, V c) { return hn::MulAdd(a, b, c); }         ///<
 HWY_INLINE V mul_sub(V a, V b, V c) { return hn::MulSub(a, b, c); }         ///< a·b − c
 HWY_INLINE V neg_mul_add(V a, V b, V c) { return hn::NegMulAdd(a, b, c); }  ///< c − a·b
 
-/// One of several vectors; of a single one, or of what is the same for all, that one.
+/// One of several vectors. A single vector stands for all of them.
 HWY_INLINE V& one_of(V& v, std::size_t) { return v; }
 HWY_INLINE const V& one_of(const V& v, std::size_t) { return v; }
 template <std::size_t n>

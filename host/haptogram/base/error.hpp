@@ -59,7 +59,7 @@ private:
     return error;
 }
 
-/// A setting that makes sense, but cannot be met by what else was given: an input that does not suit it.
+/// A setting that makes sense, but does not suit the other inputs.
 [[nodiscard]] inline Error impossible(std::string setting, const std::string& message,
                                       std::vector<std::string> remedies = {}) {
     Error error(ErrorCode::bad_input, std::move(setting), message, std::move(remedies));

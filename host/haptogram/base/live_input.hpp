@@ -20,7 +20,7 @@ public:
     LiveInput& operator=(const LiveInput&) = delete;
     ~LiveInput();
 
-    /// Appends what is there, of which there may be more, after waiting for it at most so long.
+    /// Waits for bytes, at most for `patience`, and appends those that are there. More may be left.
     /// @return whether anything came, or the end
     /// @throws Error{bad_input} naming the file and the system's reason
     bool read(std::string& to, std::chrono::milliseconds patience);

@@ -13,11 +13,11 @@ namespace haptogram::system {
 /// Waits for nobody who writes into a named pipe.
 /// @return a descriptor of bytes, not of lines; −1 when it fails
 [[nodiscard]] int open_to_read(const std::filesystem::path& path);
-/// A named pipe that is not waited for, and whose end no writer brings.
+/// A named pipe. Opening does not wait for a writer, and the pipe does not end when a writer closes it.
 [[nodiscard]] int open_pipe(const std::filesystem::path& path);
 [[nodiscard]] int open_to_write(const std::filesystem::path& path);
-/// A new file for the folder of `target`, whose rights are the target's, or those of any new file. Where the system
-/// can, it has no name yet, so that nothing stays of it when the program is killed.
+/// A new file in the folder of `target`, with the target's rights, or those of any new file. Where the system allows,
+/// the file has no name yet, so that nothing of it stays when the program is killed.
 /// @return its descriptor, −1 when it fails; and the name beside `target` that it has or will get
 [[nodiscard]] std::pair<int, std::filesystem::path> create_beside(const std::filesystem::path& target);
 [[nodiscard]] bool is_file(int descriptor);

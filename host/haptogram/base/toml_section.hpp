@@ -31,8 +31,8 @@ inline std::string number_text(double value) {
     return text;
 }
 
-/// A text between quotation marks, on one line, that reads back as the same text. Not toml++'s own writer: of a text
-/// with line breaks it makes one of several lines, in which it leaves backslashes and tabs as they are.
+/// A text between quotation marks, on one line, that reads back as the same text. toml++'s own writer is not used:
+/// it writes a text with line breaks on several lines, and leaves backslashes and tabs there as they are.
 /// @throws Error{bad_input} for a text that is not UTF-8, which no TOML file can hold
 inline std::string quoted_text(const std::string& text) {
     std::string quoted;

@@ -44,14 +44,14 @@ inline constexpr MethodName method_names[] = {
 /// @throws Error{bad_argument} with `setting` in it, naming the methods that there are
 [[nodiscard]] Method method_of(const std::string& name, const std::string& setting = "solver");
 
-/// What one record means: the foci that it makes, and how strong its pulses are.
+/// The meaning of one record: its foci, and how strong its pulses are.
 struct RecordMeaning {
     std::vector<Focus> foci;         ///< their amplitudes are relative to each other
     double amplitude = 1.0;          ///< of the record's pulses, as a fraction of that of the timer's pulses: 0…1
     std::uint32_t dwell_cycles = 0;  ///< carrier periods that it lasts in one pass
 };
 
-/// What records mean whose phases and amplitudes the board computes from their foci.
+/// The meaning of records of foci, from which the board computes phases and amplitudes.
 struct FocusMeaning {
     /// Length of a channel's sum of foci at which its amplitude is full, which is that of the timer's pulses. A lone
     /// focus of amplitude 1 has a sum of length 1.

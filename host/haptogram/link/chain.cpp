@@ -146,7 +146,7 @@ std::vector<std::uint8_t> Chain::read(unsigned number, std::chrono::microseconds
     }
 }
 
-/// Gives each tile's answers to who waits for them. What has no header, or one that is damaged, is nobody's.
+/// Keeps each tile's answers for its transport. Drops frames without a header, or with a damaged one.
 void Chain::sort(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t byte : bytes) {
         if (frame_.size() < longest_frame || byte == 0) frame_.push_back(byte);

@@ -128,7 +128,7 @@ struct Request {
 /// What Commands::push() and push_foci() send.
 [[nodiscard]] Request push_request(std::span<const std::uint16_t> indices, std::uint16_t dwell);
 [[nodiscard]] Request push_foci_request(std::span<const std::uint16_t> words, std::uint16_t dwell);
-/// What Commands::select(), start(), modulate() and set_watchdog() send, of what takes effect at once.
+/// The requests that Commands::select(), start(), modulate() and set_watchdog() send, for changes without a gate.
 [[nodiscard]] Request select_request(std::uint16_t index, std::uint16_t dwell);
 [[nodiscard]] Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
 /// What comes next waits.
@@ -196,10 +196,10 @@ public:
     /// Queues a request. Its reply is handed to `done` from within wait(); a command whose reply carries no data may
     /// get one that was made up here, after a later reply has shown that it was applied.
     virtual void submit(Request request, std::function<void(const Reply&)> done = {}) = 0;
-    /// Sends a request that gets no answer and is never sent again, ahead of what is queued; nothing when the outputs
-    /// are being shut off. flush() lets go what a port gathers.
+    /// Sends a request that gets no answer and is never sent again, ahead of the queue; sends nothing while the outputs
+    /// are being shut off. flush() sends the bytes that a port gathers.
     virtual void tell(Request request) = 0;
-    /// Sends what can be sent of what is queued, without waiting for an answer.
+    /// Sends as much of the queue as can be sent without waiting for an answer.
     virtual void flush() = 0;
     /// Waits until at most this many requests are unanswered.
     virtual void wait(std::size_t most_unanswered = 0) = 0;

@@ -46,7 +46,7 @@ struct DeviceSteps::Mailbox {
     std::vector<Request> told;   // that get no answer
     std::deque<Answer> answers;  // that wait() has not handed out yet
     std::size_t under_way = 0;
-    std::uint64_t epoch = 0;     // answers to requests of an earlier one are nobody's
+    std::uint64_t epoch = 0;     // answers to requests of an earlier epoch are dropped
     std::exception_ptr refusal;  // thrown once by wait()
     std::exception_ptr closed;   // thrown from now on by everything
     std::condition_variable news;

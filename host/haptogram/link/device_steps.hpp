@@ -27,7 +27,7 @@ struct DeviceSettings {
     Clock& clock = machine_clock();  ///< of the line
 };
 
-/// What a DeviceThread does, of which it does a step at a time. All but step() and run() may be called in any thread.
+/// The work of a DeviceThread, a step at a time. All functions but step() and run() may be called in any thread.
 class DeviceSteps : public std::enable_shared_from_this<DeviceSteps> {
 public:
     explicit DeviceSteps(DeviceSettings settings);

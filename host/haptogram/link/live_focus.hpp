@@ -14,10 +14,10 @@ class FocusMailbox {
 public:
     explicit FocusMailbox(const Clock& clock) : clock_(clock) {}
 
-    /// @throws Error{bad_input} as pack_focus() does; then it is silent, for nobody wants what was there
+    /// @throws Error{bad_input} as pack_focus() does; then the mailbox is empty: the earlier focus is out of date
     void put(const Focus& focus);
     void clear() { words_ = 0; }
-    /// @param most_age  it is silent when the newest was put longer ago; 0: never
+    /// @param most_age  the focus is silent if the newest one is older than this; 0: never
     [[nodiscard]] std::uint64_t newest(std::chrono::milliseconds most_age) const;
 
 private:

@@ -10,7 +10,7 @@
 
 namespace haptogram::link {
 
-/// What one frame carries of a device's memory, or of what shall be in it.
+/// The part of a device's memory, as it is or as it shall be, that one frame carries.
 struct Piece {
     std::uint32_t address = 0;
     Bytes bytes;
@@ -39,7 +39,7 @@ template <class Word>
     return words;
 }
 
-/// A READ or DIGEST of a piece: it names the length of what it asks for.
+/// A READ or DIGEST of a piece, with the piece's length.
 [[nodiscard]] Request asking(interface::Command command, const Piece& piece);
 [[nodiscard]] std::vector<Request> asking(interface::Command command, const std::vector<Piece>& pieces);
 /// The WRITE of a piece.

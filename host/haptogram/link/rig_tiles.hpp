@@ -48,7 +48,7 @@ public:
     /// their watchdogs do it and the others were to go on. @return which have not confirmed it, in words
     std::string off();
 
-    /// Something with each tile that is not lost, one after the other. A tile at which it fails is lost.
+    /// Calls `work` with each tile that is not lost, one after the other. A tile at which `work` fails is lost.
     void each(const std::function<void(const Tile&)>& work);
     /// Asks all for their status at the same time. A tile is lost that does not answer, or is not fit to play on.
     /// @throws Error{device} when a tile is lost and the others are not to go on, or when none is left

@@ -59,7 +59,7 @@ public:
     /// @param parts  of it, if it waits for trigger() and the device's pin, each of which starts one
     /// @throws as require_parts() does
     std::uint64_t play(std::shared_ptr<const Image> image, std::vector<TriggeredPart> parts = {});
-    /// Starts a part of what plays, at once. @throws Error{device} when nothing waits for it
+    /// Starts a part of the present image, at once. @throws Error{device} when no part waits for a trigger
     void trigger(std::size_t part);
     /// The same, then plays one record until the next call names another. The same image is brought only once.
     /// @throws Error{bad_argument} for a record that the image does not have, Error{device} while another image streams

@@ -50,11 +50,11 @@ public:
     virtual void flush() {}
     /// What has arrived. Waits at most `patience`, in the board's time, for the first byte; empty when nothing came.
     [[nodiscard]] virtual std::vector<std::uint8_t> read(std::chrono::microseconds patience) = 0;
-    /// Takes back as much as possible of what was written and has not gone out yet, so that what is written next goes
-    /// out soon. A frame may be cut in its middle.
+    /// Takes back as many as possible of the written bytes that have not gone out yet, so that the next bytes go out
+    /// soon. A frame may be cut in its middle.
     virtual void discard_output() {}
-    /// Holds the line low for longer than any frame does, by which a board turns its outputs off and drops what it has
-    /// half received. A line that knows no such thing does nothing.
+    /// Holds the line low for longer than any frame does: a board then turns its outputs off and drops a frame that it
+    /// has half received. A transport without breaks does nothing.
     virtual void send_break() {}
     /// Whether the board has said that the break has turned its outputs off, which a line cannot.
     [[nodiscard]] virtual bool break_has_acted() { return false; }

@@ -9,7 +9,7 @@
 
 namespace haptogram {
 
-/// An instrument that is moved through a field, its face parallel to the array, and what is read from it.
+/// An instrument that is moved through a field, its face parallel to the array, and its readings.
 struct Probe {
     /// An ultrasonic receiver's signal is the mean of the complex pressure over its face, from which its directivity
     /// follows: 2·J1(ka·sin θ)/(ka·sin θ). Otherwise a pressure sensor gives the mean radiation pressure on its face.

@@ -56,7 +56,7 @@ inline constexpr double least_widths = 2.0;
 /// | `side-lobe` | more than half of the focus's radiation pressure stands beside it |
 /// | `small`     | the foci lie within two widths of a focus, so that their shape is not felt |
 ///
-/// And what findings_of(Loudness) finds.
+/// Also the findings of findings_of(Loudness).
 [[nodiscard]] std::vector<Finding> findings_of(const Project& project, const Compiled& compiled,
                                                const ImageAnalysis& analysis);
 

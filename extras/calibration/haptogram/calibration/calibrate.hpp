@@ -48,9 +48,8 @@ struct Calibrated {
 /// Fits the elements' gains and phases, the microphone's places and gains, and the speed of sound to what was heard, by
 /// Gauss and Newton's method in the logarithm of the sounds, in which all but places and speed are linear. Gains are
 /// taken to differ by some 15 %, phases by some 0.3 rad, and any element may be reversed. A dead element is told from a
-/// weak one by its sound's likelihood; elements that are wired to each other's channels by exchanges that make their
-/// sounds at several places consistent, for which it takes three places. A resonance that is off is, at one carrier, a
-/// phase, and found as one.
+/// weak one by its sound's likelihood; elements with swapped wires are found by exchanges that make their sounds
+/// consistent at three places or more. At one carrier a wrong resonance is a phase, and is found as one.
 /// @param array  as its file describes it, without a calibration
 /// @throws Error{bad_input} when fewer than half of the elements are heard, or their phases fit no place near the named
 /// one

@@ -35,7 +35,8 @@ struct Scan {
 /// @throws Error{bad_input} naming the line
 [[nodiscard]] std::optional<Scan> read_scan(const std::string& file);
 
-/// The files of a code's parts, which a comma joins; a file that is there is one, whatever its name.
+/// The files of a code's parts, from names joined by commas. The name of an existing file is one name, also with a
+/// comma in it.
 [[nodiscard]] std::vector<std::string> files_of_recording(const std::string& recording);
 
 /// What such files say of one place, or of each of a stage's. @param at  of the microphone, or of the stage's zero

@@ -82,7 +82,7 @@ enum class HandScript {
 /// @throws Error{bad_argument} for another name
 [[nodiscard]] HandScript hand_script(std::string_view name);
 
-/// After which it repeats.
+/// Length of a script, after which the script repeats.
 [[nodiscard]] double seconds_of(HandScript script);
 
 /// A right hand of a usual size at a time of its script: palm down, fingers along y. All moves are smooth, and the

@@ -66,7 +66,7 @@ struct ShotReport {
     std::vector<FeltObject> objects;
     double force_n = 0.0;    ///< the sum of the fingers' forces' magnitudes on the object
     double compute_s = 0.0;  ///< processor time from the frame to the path
-    /// From the newest frame whose path has gone to the board to its beginning, by what is in the board's FIFO.
+    /// From the newest frame whose path is on the board to the beginning of that path, by the length of the FIFO.
     std::optional<double> latency_s{};
     std::vector<std::string> troubles;  ///< whole sentences
     std::vector<std::string> news;      ///< sentences that are no trouble, such as on objects that have come

@@ -38,8 +38,8 @@ class Predictor {
 public:
     /// @throws Error{bad_argument} for a latency that is negative, or noise that is not positive
     explicit Predictor(const PredictorOptions& options);
-    /// Where a finger will be `ahead_s` after a time, not earlier than that at which it was measured. One measured at
-    /// the time of the last one is no new one.
+    /// Where a finger will be `ahead_s` after `now_s`, which is not before `measured_s`. A second place with the same
+    /// `measured_s` is not a new measurement.
     [[nodiscard]] Vec3 ahead(std::uint64_t finger, Vec3 place, double measured_s, double now_s);
     /// Forgets all fingers that were last measured before a time.
     void forget_before(double time_s);

@@ -112,7 +112,7 @@ public:
     [[nodiscard]] bool sending() const override { return path_ && !begun_ && clock_.now_s() > late_s_; }
     [[nodiscard]] bool playing() const override { return path_.has_value(); }
     [[nodiscard]] bool fading() const override { return faded_s_.has_value(); }
-    /// What the line leaves of what was wanted.
+    /// The pace that the line can carry.
     [[nodiscard]] FocusPace pace() const { return {ring_.each, dwell_}; }
 
 private:
