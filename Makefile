@@ -16,7 +16,7 @@ export PATH HOME
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
-setup: ## install what is missing on Debian 12, TIER=demo, test, dev or hardware; nothing when all is there. Other targets install nothing, but bench and dist, in build/
+setup: ## install what is missing on Debian 12, TIER=demo, board, test, dev or hardware; nothing when all is there. Other targets install nothing, but bench and dist, in build/
 	@tools/setup $(TIER)
 
 # $(call need,PROGRAMS): one line when some are missing. What the libraries need, CMake says, in one line, too.
@@ -91,8 +91,10 @@ build/boards/%/report.json: $(BITSTREAM_INPUTS)
 	@$(PYTHON) tools/bitstream.py $*
 
 BOARD ?= ice40-hx8k-breakout
-bitstream: build ## synthesise, place and route BOARD=… into build/boards, SEEDS=1; fails beyond the budget
-	@$(PYTHON) tools/bitstream.py $(BOARD) --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram
+PROGRAM := $(firstword $(wildcard build/release/host/cli/haptogram build/quick/host/cli/haptogram))
+bitstream: ## synthesise, place and route BOARD=… into build/boards, SEEDS=1; fails beyond the budget. Images can be put in only with a built program
+	@$(call need,yosys,board )
+	@$(PYTHON) tools/bitstream.py $(BOARD) --seeds $(or $(SEEDS),1) $(if $(PROGRAM),--program $(PROGRAM),--empty)
 
 bitstreams: build ## the same for every board, and the core with 256 channels, without and with amplitudes; their table goes to constraints/builds.md
 	@$(PYTHON) tools/bitstream.py --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram --table constraints/builds.md
@@ -101,7 +103,7 @@ bitstreams: build ## the same for every board, and the core with 256 channels, w
 
 # With IMAGE, the image is in the bitstream and plays at power-up with AUTOSTART=1; FLASH=write keeps it when power is cut.
 flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how
-	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
+	@$(PYTHON) tools/flash.py $(BOARD) --program $(or $(PROGRAM),haptogram) $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
 
 # Every command before a board that lies, `serve` before clients that do, and random command lines over every source and verb, RUNS=300.

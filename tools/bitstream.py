@@ -47,7 +47,7 @@ def tool(name):
     """A program from Debian, or its PyPI build in the project's environment."""
     found = shutil.which(name) or shutil.which(str(VENV / f"yowasp-{name}"))
     if not found:
-        raise Failed(f"{name} is not installed; tools/setup dev installs it")
+        raise Failed(f"{name} is not installed; tools/setup board installs it")
     return found
 
 
@@ -77,11 +77,11 @@ def memories(board):
     return primary | {"sequence": (32, p["SEQUENCE_DEPTH"])}
 
 
-def fingerprint(folder, board):
-    """Random contents, by which the block RAMs of a placed design are found again; and empty ones for the bitstream."""
+def fingerprint(folder, board, empty):
+    """Random contents, by which the block RAMs of a placed design are found again for an image; or none, for a bitstream without one."""
     for seed, (name, (width, depth)) in enumerate(memories(board).items(), 1):
         words = random.Random(seed)
-        contents = [words.getrandbits(width) for _ in range(depth)]
+        contents = [0 if empty else words.getrandbits(width) for _ in range(depth)]
         if name == "sequence":
             contents[0] &= ~AUTOSTART  # a placed design without an image must never start by itself
         lines = [f"{word:0{width // 4}x}\n" for word in contents]
@@ -258,7 +258,7 @@ def build(name, options):
     family, clock_mhz = board["fpga"]["family"], board["parameters"]["CLOCK_HZ"] / 1e6
     budget = board["budget"]
     goal = clock_mhz * (1.0 if alone else budget["clock_margin"])  # of size only, not of a board's margin
-    fingerprint(folder, board)
+    fingerprint(folder, board, options.empty)
     print(f"{folder.name}: synthesised in {synthesise(folder, board):.0f} s", file=sys.stderr, flush=True)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         outcomes = list(pool.map(lambda seed: place(folder, board, seed, goal), range(1, options.seeds + 1)))
@@ -267,9 +267,13 @@ def build(name, options):
         os.replace(folder / placed, folder / f"placed.{placed.split('.')[1]}")
     for _, spare, _ in outcomes:
         (folder / spare).unlink(missing_ok=True)
+    bits = f"{name}.{'bin' if family == 'ice40' else 'bit'}"
     if options.program and not alone:
         run(folder, "pack.log", options.program.resolve(), "bitstream", "--board", boards.BOARDS / f"{name}.toml", "--placed",
-            options.output.resolve(), "--empty", "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
+            options.output.resolve(), "--empty", "-o", bits)
+    if options.empty and not alone:
+        pack = [tool("icepack"), "placed.asc"] if family == "ice40" else [tool("ecppack"), "--compress", "placed.config"]
+        run(folder, "pack.log", *pack, bits)
     used, available, rams, ram_available = cells(best["utilization"], family)
     channels = board["parameters"]["CHANNELS"]
     network = [outcome[2]["network_mhz"] for outcome in outcomes if "network" in board]
@@ -308,7 +312,9 @@ def main():
     parser.add_argument("boards", metavar="BOARD", nargs="*", help="of constraints/; none: all")
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "boards")
     parser.add_argument("--seeds", type=int, default=1, help="place and route with this many seeds and take the fastest (1)")
-    parser.add_argument("--program", type=Path, help="haptogram, to pack the bitstream with; without it there is none")
+    packing = parser.add_mutually_exclusive_group()
+    packing.add_argument("--program", type=Path, help="haptogram, to pack the bitstream with, into which it can then put images; without it there is none")
+    packing.add_argument("--empty", action="store_true", help="pack it without haptogram: images are uploaded, and cannot be put into it")
     parser.add_argument("--configuration", metavar="NAME", help="of tools/interface.toml: the core alone, in this configuration")
     parser.add_argument("--table", type=Path, metavar="FILE", help="writes the table of all reports in OUTPUT to a Markdown file")
     options = parser.parse_args()
