@@ -14,6 +14,7 @@
 #include "haptogram/format/schedule.hpp"
 #include "haptogram/robot/place.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "played_frames.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
@@ -76,6 +77,7 @@ int place(PlaceCommand command) {
     Report report;
     report.add("mapping", command.mapping).add("target_mm", command.target_mm);
     report.add("array", instrument.array.name).add("robot", options.geometry.name);
+    report.add("level", level_json(instrument.array.transducer), level_text(instrument.array.transducer));
     report.add("placed", placed.placed,
                placed.placed ? "" : "the cube was not placed: see the events, or take another start or range");
     report.add("time_s", placed.time_s);

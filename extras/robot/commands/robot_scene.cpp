@@ -14,6 +14,7 @@
 #include "haptogram/hand/render.hpp"
 #include "haptogram/robot/scenes.hpp"
 #include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "played_frames.hpp"
 #include "progress_line.hpp"
@@ -109,6 +110,7 @@ int play(const SceneCommand& command, const std::string& title, MakeScene make_s
     Report report;
     report.add("scene", title, title);
     report.add("array", instrument.array.name).add("robot", options.geometry.name);
+    report.add("level", level_json(instrument.array.transducer), level_text(instrument.array.transducer));
     report.add("seconds", run.periods.back().time_s);
     report.add("period_s", clock.period_s(),
                fmt::format("one clock: {} carrier periods are one of the robot, {:.4g} Hz", clock.carrier_periods,
