@@ -6,36 +6,30 @@
 #include <numeric>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/shape/place.hpp"
 #include "haptogram/shape/tour.hpp"
 
 namespace haptogram {
 std::vector<std::size_t> reachable_points(const std::vector<Vec3>& points, const Array& array, bool clip) {
-    constexpr std::size_t most_listed = 10;
-    std::string listed;
-    std::size_t count = 0;
+    std::string example;
     std::vector<std::size_t> reachable;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3& p = points[i];
-        const std::string reason = array.unreachable(p);
-        if (reason.empty()) {
+        const Vec3 p = (1 / millimetre) * points[i];
+        if (const std::string reason = array.unreachable(points[i]); reason.empty())
             reachable.push_back(i);
-            continue;
-        }
-        if (++count <= most_listed)
-            listed += fmt::format("\n  ({:.6g}, {:.6g}, {:.6g}) mm: {}", p.x / millimetre, p.y / millimetre,
-                                  p.z / millimetre, reason);
+        else if (example.empty())
+            example = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm is {}", p.x, p.y, p.z, reason);
     }
-    if (count == 0) return reachable;
-    if (count > most_listed) listed += fmt::format("\n  and {} more", count - most_listed);
-    if (!clip)
-        throw bad_input(array.file,
-                        fmt::format("{} of {} points are out of reach:{}\nmove or scale the shape, or leave them out",
-                                    count, points.size(), listed),
-                        {"center", "size", "clip"});
-    if (reachable.empty())
-        throw bad_input(array.file, fmt::format("no point is left: all {} are out of reach:{}", points.size(), listed),
-                        {"center", "size"});
-    return reachable;
+    if (example.empty() || (clip && !reachable.empty())) return reachable;
+    const Box box = bounding_box({.pieces = {Cloud{points}}});
+    const Vec3 low = (1 / millimetre) * box.low, high = (1 / millimetre) * box.high;
+    throw bad_input(array.file,
+                    fmt::format("{} of {} points are out of reach: {}. They lie at x {:.1f}…{:.1f}, y {:.1f}…{:.1f}, "
+                                "z {:.1f}…{:.1f} mm; built-in shapes stand at 0,0,130. Move or scale the shape{}",
+                                points.size() - reachable.size(), points.size(), example, low.x, high.x, low.y, high.y,
+                                low.z, high.z, reachable.empty() ? "" : ", or leave points out"),
+                    reachable.empty() ? std::vector<std::string>{"center", "size"}
+                                      : std::vector<std::string>{"center", "size", "clip"});
 }
 
 void require_room(std::size_t points, const ShapePathOptions& options) {
