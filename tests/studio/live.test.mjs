@@ -128,6 +128,7 @@ test("STOP, and a page that goes away, end a session at once", async (t) => {
     document.getElementById("stop").click();
   });
   await sleep(500);
+  await page.getByRole("button", { name: /^Feel it/ }).click({ trial: true });
   await eventually(() => sessions(studio).length === 0);
   await page.getByText(/STOP was pressed before it began|The session is over/).first().waitFor();
   await boardSays(page, "outputs off");
