@@ -156,6 +156,8 @@ bool is_source_file(const std::string& file) {
            ending == ".adaptics" || (ending == ".csv" && kind_of_csv(file) == FileKind::path);
 }
 
+bool is_path_file(const std::string& file) { return kind_of(file) == FileKind::path; }
+
 bool is_rig_file(const std::string& file) { return file.ends_with(".json") && is_rig_manifest(read_file(file)); }
 
 Bundle open_bundle(const Source& source, const Progress& progress) {
