@@ -25,8 +25,8 @@ enum class ShapeFormat { csv, obj, ply, stl, xyz };
 [[nodiscard]] Shape stood_up(Shape shape);
 
 /// Reads a shape from memory, for example one that a browser sent. Files with faces become one Mesh: several objects
-/// are joined and polygons are cut into triangles; Mesh::flaw tells of polygons that cross themselves. Files without
-/// faces become one Cloud. Numbers keep double precision.
+/// are joined and polygons are cut into triangles; Mesh::flaw tells of polygons that cross themselves. Files with lines
+/// and no faces become a Curve each; others one Cloud. Numbers keep double precision.
 /// @param content          the bytes of the file
 /// @param name             what messages call the shape
 /// @param metres_per_unit  what a 1 in the file means, for example 1e-3; positive and finite
