@@ -95,7 +95,8 @@ FORMS = {
     "AdapTics: a jump to time 0": ("pattern.adaptics", pattern(jumps=[JUMP]), "a path"),
     "AdapTics: a jump elsewhere": ("pattern.adaptics", pattern(jumps=[{**JUMP, "jump_to": 100}]), "nothing"),
     "AdapTics: a template of one key frame": ("pattern.adaptics", pattern(frames=1), "a path"),
-    "PCD, 3MF, glTF, OFF, SVG": ("shape.off", "OFF\n", "nothing"),
+    "OFF": ("square.off", "OFF\n4 1 0\n" + rows(SQUARE) + "4 0 1 2 3\n", "points"),
+    "PCD, 3MF, glTF, SVG": ("shape.3mf", "PK", "nothing"),
 }  # fmt: skip
 
 

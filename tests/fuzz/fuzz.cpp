@@ -66,6 +66,7 @@ void manifest(const std::string& content) { static_cast<void>(to_text(manifest_f
 void ply(const std::string& content) { static_cast<void>(as_shape(read_ply(content, "fuzz"), "fuzz")); }
 void obj(const std::string& content) { static_cast<void>(as_shape(read_obj(content, "fuzz"), "fuzz")); }
 void stl(const std::string& content) { static_cast<void>(as_shape(read_stl(content, "fuzz"), "fuzz")); }
+void off(const std::string& content) { static_cast<void>(as_shape(read_off(content, "fuzz"), "fuzz")); }
 void xyz(const std::string& content) { static_cast<void>(as_shape(read_rows(content, "fuzz", false), "fuzz")); }
 void csv(const std::string& content) { static_cast<void>(as_shape(read_rows(content, "fuzz", true), "fuzz")); }
 
@@ -203,6 +204,7 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"ply", ply},
                                                                      {"obj", obj},
                                                                      {"stl", stl},
+                                                                     {"off", off},
                                                                      {"xyz", xyz},
                                                                      {"csv", csv},
                                                                      {"array", array},

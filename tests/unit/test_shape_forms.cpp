@@ -425,3 +425,20 @@ TEST_CASE("lines of OBJ are curves, and beside faces left out with a word", "[sh
     refusal(vertices + "l 2 2\n", ShapeFormat::obj);
     refusal(vertices + "l 1 4\n", ShapeFormat::obj);
 }
+
+TEST_CASE("OFF has vertices and faces, or vertices alone", "[shape][forms][off]") {
+    const std::string square = "4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+    for (const std::string& text :
+         {"OFF\n" + square, "# by a program\nOFF " + square,
+          std::string("COFF\n\n4 1 0 # four\n0 0 0 9 9 9 1\n1 0 0 9 9 9 1\n1 1 0 9 9 9 1\n0 1 0 9 9 9 1\n"
+                      "4 0 1 2 3 0.5 0.5 0.5\n\n")})
+        CHECK(area(read_mesh(text, ShapeFormat::off)) == Approx(1.0));
+    CHECK(cloud_of("OFF\n1 0 0\n1.5 2 3\n", ShapeFormat::off) == std::vector<Vec3>{{1.5, 2.0, 3.0}});
+    CHECK(shape_format("OFF\n" + square, "-") == ShapeFormat::off);
+    CHECK(has_shape_ending("Cat.OFF"));
+    for (const char* const wrong :
+         {"4OFF\n1 0 0\n1 2 3\n", "OFF\n", "OFF\n2 0 0\n1 2 3\n", "OFF\n1 1 0\n1 2 3\n", "OFF\n1 0 0\n1 2 3\n4 5 6\n",
+          "OFF\n1 0 0\n1 2\n", "OFF\n1.5 0 0\n1 2 3\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+          "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "OFF\n0 0 0\n"})
+        refusal(wrong, ShapeFormat::off);
+}

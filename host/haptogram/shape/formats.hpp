@@ -42,6 +42,7 @@ struct Polygons {
 [[nodiscard]] Polygons read_ply(std::string_view content, const std::string& name);
 [[nodiscard]] Polygons read_obj(std::string_view content, const std::string& name);
 [[nodiscard]] Polygons read_stl(std::string_view content, const std::string& name);
+[[nodiscard]] Polygons read_off(std::string_view content, const std::string& name);
 
 /// Rows of columns, with white space, commas, semicolons or tabs between them, as the first row has them. The first row
 /// may name the columns, as x, x_mm or Points:0 and so on; otherwise x, y and z come first. A line with one number

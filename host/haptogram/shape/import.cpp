@@ -22,6 +22,7 @@ Polygons read(std::string_view content, ShapeFormat format, const std::string& n
     switch (format) {
         case ShapeFormat::csv: return read_rows(content, name, true);
         case ShapeFormat::obj: return read_obj(content, name);
+        case ShapeFormat::off: return read_off(content, name);
         case ShapeFormat::ply: return read_ply(content, name);
         case ShapeFormat::stl: return read_stl(content, name);
         case ShapeFormat::xyz: return read_rows(content, name, false);
@@ -56,12 +57,13 @@ ShapeFormat shape_format(std::string_view content, const std::string& name) {
     if (content.empty()) throw bad_input(name, "is empty, expected a shape; export it again");
     const std::string begin = first_words(content);
     if (begin.starts_with("ply")) return ShapeFormat::ply;
+    if (begin.starts_with("off") || begin.starts_with("coff")) return ShapeFormat::off;
     if (is_binary_stl(content) || begin.starts_with("solid")) return ShapeFormat::stl;
     if (has_vertices_of_obj(content)) return ShapeFormat::obj;
     if (begin.find(',') != std::string::npos || begin.starts_with('x')) return ShapeFormat::csv;
     if (begin.find_first_of("0123456789#") != std::string::npos) return ShapeFormat::xyz;
-    throw bad_input(name,
-                    "found nothing that begins as PLY, STL, OBJ, CSV or XYZ does; save it as a file and name that");
+    throw bad_input(
+        name, "found nothing that begins as PLY, STL, OBJ, OFF, CSV or XYZ does; save it as a file and name that");
 }
 
 bool has_y_up_by_habit(std::string_view obj) {
@@ -85,20 +87,30 @@ Shape stood_up(Shape shape) {
     return shape;
 }
 
+namespace {
+
+constexpr std::array<std::pair<std::string_view, ShapeFormat>, 6> endings{{{".csv", ShapeFormat::csv},
+                                                                           {".obj", ShapeFormat::obj},
+                                                                           {".off", ShapeFormat::off},
+                                                                           {".ply", ShapeFormat::ply},
+                                                                           {".stl", ShapeFormat::stl},
+                                                                           {".xyz", ShapeFormat::xyz}}};
+
+}  // namespace
+
+bool has_shape_ending(const std::string& file_name) {
+    return std::ranges::find(endings, ending_of(file_name), &std::pair<std::string_view, ShapeFormat>::first) !=
+           endings.end();
+}
+
 ShapeFormat shape_format(const std::string& file_name) {
-    constexpr std::array<std::pair<std::string_view, ShapeFormat>, 5> formats{{{".csv", ShapeFormat::csv},
-                                                                               {".obj", ShapeFormat::obj},
-                                                                               {".ply", ShapeFormat::ply},
-                                                                               {".stl", ShapeFormat::stl},
-                                                                               {".xyz", ShapeFormat::xyz}}};
     const std::string extension = ending_of(file_name);
-    for (const auto& [known, format] : formats)
+    for (const auto& [known, format] : endings)
         if (extension == known) return format;
-    throw bad_input(
-        file_name,
-        fmt::format("found the extension {}, expected .csv, .obj, .ply, .stl or .xyz; export the shape in one of these "
-                    "formats and name the file so",
-                    shown(extension)));
+    throw bad_input(file_name,
+                    fmt::format("found the extension {}, expected .csv, .obj, .off, .ply, .stl or .xyz; export "
+                                "the shape in one of these formats and name the file so",
+                                shown(extension)));
 }
 
 Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name, double metres_per_unit) {

@@ -8,7 +8,10 @@
 
 namespace haptogram {
 
-enum class ShapeFormat { csv, obj, ply, stl, xyz };
+enum class ShapeFormat { csv, obj, off, ply, stl, xyz };
+
+/// Whether a file's name ends as that of a shape does.
+[[nodiscard]] bool has_shape_ending(const std::string& file_name);
 
 /// The format that a file's name tells by its extension, in any case.
 /// @throws Error{bad_input} for any other extension, naming those that are known
