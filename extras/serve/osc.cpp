@@ -63,16 +63,17 @@ void take_argument(char type, Parts& parts, std::vector<double>& numbers) {
     }
 }
 
-void parse(std::span<const std::uint8_t> bytes, unsigned nested, std::vector<OscMessage>& found) {
+void parse(std::span<const std::uint8_t> bytes, unsigned nested, bool timed, std::vector<OscMessage>& found) {
     if (bytes.size() % 4 != 0) throw bad_input("OSC", "the datagram is no whole number of words of four bytes");
     Parts parts(bytes);
-    OscMessage message{parts.text(), {}};
+    OscMessage message{parts.text(), {}, timed};
     if (message.address == "#bundle") {
         if (nested == most_nested) throw bad_input("OSC", "bundles in bundles without an end");
-        static_cast<void>(parts.take(8));  // its time
+        constexpr std::uint64_t at_once = 1;
+        if (parts.big_endian(8) != at_once) timed = true;
         while (!parts.empty()) {
             const std::uint32_t size = parts.word();
-            parse(parts.take(size), nested + 1, found);
+            parse(parts.take(size), nested + 1, timed, found);
         }
         return;
     }
@@ -87,7 +88,7 @@ void parse(std::span<const std::uint8_t> bytes, unsigned nested, std::vector<Osc
 
 std::vector<OscMessage> parse_osc(std::span<const std::uint8_t> datagram) {
     std::vector<OscMessage> found;
-    parse(datagram, 0, found);
+    parse(datagram, 0, false, found);
     return found;
 }
 

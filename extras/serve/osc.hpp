@@ -11,6 +11,7 @@ namespace haptogram::serve {
 struct OscMessage {
     std::string address;
     std::vector<double> numbers;
+    bool timed = false;  ///< in a bundle with another time than "at once"
 };
 
 /// The messages of a datagram, those of bundles in their order and whatever the bundle's time.

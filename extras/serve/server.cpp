@@ -246,8 +246,18 @@ public:
         write_within(STDERR_FILENO, printable("haptogram: " + trouble, most_bytes) + "\n");
     }
 
+    /// Said once.
+    void tell_of_time(std::uint16_t port) {
+        if (std::exchange(told_of_time_, true)) return;
+        write_within(STDERR_FILENO,
+                     fmt::format("haptogram: a bundle from port {} has a time tag; times are not kept, and "
+                                 "what it says is done at once; send it when it is due\n",
+                                 port));
+    }
+
 private:
     Clock::time_point told_{};
+    bool told_of_time_ = false;
 };
 
 /// Takes what datagrams wait.
@@ -258,8 +268,10 @@ void take_datagrams(udp::socket& socket, Verbs& verbs, Complaints& complaints) {
         const std::size_t count = socket.receive_from(net::buffer(bytes), from, 0, error);
         if (error) break;
         try {
-            for (const OscMessage& message : parse_osc({bytes.data(), count}))
+            for (const OscMessage& message : parse_osc({bytes.data(), count})) {
+                if (message.timed) complaints.tell_of_time(from.port());
                 verbs.act(message, Verbs::osc(from.address().to_v4().to_uint(), from.port()));
+            }
         } catch (const std::exception& trouble) {
             complaints.tell(fmt::format("a datagram from port {}: {}", from.port(), trouble.what()));
         }

@@ -34,6 +34,7 @@
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/level.hpp"
+#include "haptogram/verbs/pattern.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "haptogram/verbs/timeline.hpp"
 #include "reference_port.hpp"
@@ -254,6 +255,7 @@ haptogram::ShapeSource& shape_in(haptogram::Project& project, const haptogram_pr
 
 haptogram::Project project_for(const haptogram_project& given) {
     haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
+    wanted.makers.of_pattern = haptogram::path_of_pattern;
 #if defined(HAPTOGRAM_HAS_HAND)
     wanted.makers = haptogram::path_makers();
 #elif defined(HAPTOGRAM_HAS_PERCEPTION)

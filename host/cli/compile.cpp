@@ -17,6 +17,7 @@
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "setting_options.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 /// The options that were given. What is not given comes from the project file, or is the default.
 struct CompileOptions {
-    std::vector<std::string> inputs;  ///< shape files, or one project file
+    std::vector<std::string> inputs;  ///< shape files, one path file, or one project file
     std::vector<std::string> shapes;
     Given<Project> settings;
     Given<Placement> place;
@@ -54,7 +55,15 @@ Project project_of(const CompileOptions& options) {
     }
     project.makers = path_makers();
     for (const std::string& file : files) {
-        if (file.empty()) throw bad_input("\"\"", "an input's name is empty; name a shape file or a project");
+        if (file.empty()) throw bad_input("\"\"", "an input's name is empty; name a shape file, a path or a project");
+        if (is_path_file(file)) {
+            if (!project.path.empty() || std::ranges::find(options.given, "--path") != options.given.end())
+                throw bad_argument("--path", fmt::format("{} is a path, too, and only one is played; leave one of them "
+                                                         "out",
+                                                         file));
+            project.path = file;
+            continue;
+        }
         ShapeSource source;
         source.file = file;
         project.shapes.push_back(source);
@@ -257,8 +266,9 @@ void add_compile(CLI::App& app, Action& action) {
     CLI::App* sub =
         app.add_subcommand("compile", "Turn shapes into an Intel HEX image of focal timings, and its manifest");
     sub->add_option("inputs", options->inputs,
-                    "PLY, OBJ, STL, XYZ or CSV files, - for standard input; several become one shape. Or one project "
-                    "(.toml, .haptogram), whose settings the options below then override");
+                    "PLY, OBJ, STL, OFF, XYZ or CSV files, - for standard input; several become one shape. Or one path "
+                    "(.json, .csv with times, .adaptics), or one project (.toml, .haptogram), whose settings the "
+                    "options below then override");
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
     add_settings(*sub, shape_settings(), options->of_shapes);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "extras.hpp"
 
+#include "haptogram/verbs/pattern.hpp"
+
 namespace haptogram::cli {
 
 const Extras& extras() {
     static const Extras registered = [] {
         Extras made;
+        made.makers.of_pattern = path_of_pattern;
         register_extras(made);
         return made;
     }();

@@ -71,7 +71,7 @@ NUMBERS = {
     "four numbers for a centre": ["--center", "0,0,100,0"],
     "NaN centre": ["--center", "0,0,nan"],
     "infinite turn": ["--rotate", "0,0,inf"],
-    "unknown unit": ["--unit", "inch"],
+    "unknown unit": ["--unit", "furlong"],
 }
 
 

@@ -25,6 +25,7 @@
 #include "haptogram/link/frame.hpp"
 #include "haptogram/live/depth_source.hpp"
 #include "haptogram/shape/adaptics.hpp"
+#include "haptogram/shape/adaptics_frames.hpp"
 #include "haptogram/shape/formats.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/document.hpp"
@@ -62,11 +63,12 @@ void pulses(const std::string& content) {
 
 void manifest(const std::string& content) { static_cast<void>(to_text(manifest_from_json(content, "fuzz"))); }
 
-void ply(const std::string& content) { static_cast<void>(as_piece(read_ply(content, "fuzz"), "fuzz")); }
-void obj(const std::string& content) { static_cast<void>(as_piece(read_obj(content, "fuzz"), "fuzz")); }
-void stl(const std::string& content) { static_cast<void>(as_piece(read_stl(content, "fuzz"), "fuzz")); }
-void xyz(const std::string& content) { static_cast<void>(read_xyz(content, "fuzz")); }
-void csv(const std::string& content) { static_cast<void>(read_csv(content, "fuzz")); }
+void ply(const std::string& content) { static_cast<void>(as_shape(read_ply(content, "fuzz"), "fuzz")); }
+void obj(const std::string& content) { static_cast<void>(as_shape(read_obj(content, "fuzz"), "fuzz")); }
+void stl(const std::string& content) { static_cast<void>(as_shape(read_stl(content, "fuzz"), "fuzz")); }
+void off(const std::string& content) { static_cast<void>(as_shape(read_off(content, "fuzz"), "fuzz")); }
+void xyz(const std::string& content) { static_cast<void>(as_shape(read_rows(content, "fuzz", false), "fuzz")); }
+void csv(const std::string& content) { static_cast<void>(as_shape(read_rows(content, "fuzz", true), "fuzz")); }
 
 /// For those that read files only.
 std::string as_file(const std::string& content) {
@@ -202,6 +204,7 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"ply", ply},
                                                                      {"obj", obj},
                                                                      {"stl", stl},
+                                                                     {"off", off},
                                                                      {"xyz", xyz},
                                                                      {"csv", csv},
                                                                      {"array", array},

@@ -20,7 +20,7 @@ from pathlib import Path
 from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
-TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project",
+TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "off", "xyz", "csv", "array", "board", "project",
            "path", "path_csv", "adaptics", "wav", "leap", "leap_message", "depth_png", "cameras", "depth_pipe", "message")  # fmt: skip
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 SOUND_CAMERAS = b"""format = "haptogram-depth-1"
@@ -144,6 +144,7 @@ def seeds(program):
                 b"v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 \\\n0\nf 1 2 \\\n3 4\n"],
         "stl": [b"\0" * 80 + struct.pack("<I", 1) + facet,
                 b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"],
+        "off": [b"OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n", b"COFF 1 0 0\n# a point\n1 2 3 255 0 0 255\n"],
         "xyz": [rows.encode(), b"# points\n1.5e1 -2 .3 7\n"],
         "csv": [b"x,y,z\n1,2,3\n", b"a;z;y;x\n0;1;2;3\n"],
         "array": [path.read_bytes() for path in sorted((ROOT / "host/arrays").glob("*.toml"))],

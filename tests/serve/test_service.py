@@ -6,6 +6,7 @@ import fcntl
 import json
 import os
 import random
+import re
 import signal
 import socket
 import struct
@@ -17,7 +18,7 @@ from pathlib import Path
 
 import pytest
 import websockets
-from messages import program_said
+from messages import notice, program_said
 from patience import also_in_time, until
 from websockets.exceptions import InvalidStatusCode
 
@@ -480,3 +481,29 @@ def test_its_end_turns_the_outputs_off(tmp_path):
     assert said["outputs"] == "off" and said["watchdog_trips"] == 0
     board.terminate()
     board.wait()
+
+
+def test_a_bundle_for_later_is_done_at_once_and_told_of_once():
+    reading, writing = os.pipe()
+    service = Service(stderr=writing)
+    os.close(writing)
+    client = service.client()
+    client.ok("compile", project=PROJECT)
+    client.ok("play", loops=0)
+    client.until(enabled=True)
+    alive = b"/haptogram/alive\0\0\0\0,\0\0\0"
+    stop = b"/haptogram/stop\0,\0\0\0"
+
+    def bundle(time, message):
+        return b"#bundle\0" + struct.pack(">QI", time, len(message)) + message
+
+    service.datagram(bundle(1, alive))  # at once
+    for seconds in (3, 4):
+        service.datagram(bundle((4_000_000_000 + seconds) << 32, alive))
+    service.datagram(bundle(4_000_000_005 << 32, stop))
+    client.until(enabled=False)
+    service.end()
+    said = os.read(reading, 1 << 20)
+    os.close(reading)
+    assert said.count(b"has a time tag") == 1
+    notice(re.sub(rb"port \d+", b"port 1", next(line for line in said.splitlines() if b"time tag" in line)))

@@ -86,7 +86,7 @@ TEST_CASE("hand project: bad ones are refused by the key") {
         "[hand]\nrecording = \"synthetic:press\"\nframes = 3\n",
         "[hand]\nrecording = \"synthetic:press\"\nframe = 0\n",
         "[hand]\nrecording = \"synthetic:press\"\nalgorithm = \"M\"\n",
-        "[hand]\nrecording = \"synthetic:press\"\nunit = \"inch\"\n",
+        "[hand]\nrecording = \"synthetic:press\"\nunit = \"furlong\"\n",
         "[hand]\nrecording = \"synthetic:press\"\nsize_mm = -1\n",
         "points = 9\n[hand]\nrecording = \"synthetic:press\"\n",
         "rate_hz = 9\n[hand]\nrecording = \"synthetic:press\"\n",

@@ -36,11 +36,21 @@ TEST_CASE("intel hex: lower case, CR LF and extended segments are understood", "
     REQUIRE(segments.at(0).bytes == std::vector<std::uint8_t>{0x55});
 }
 
+TEST_CASE("intel hex: what other tools add and means nothing is stepped over", "[hex]") {
+    for (const char* const text :
+         {":0400000500000000F7\n:0100040055A6\n:00000001FF\n", ":0400000300000000F9\n:0100040055A6\n:00000001FF\n",
+          ":0100040055A6  \n:00000001FF\t\r\n   \n", ":0100040055A6\n:00000001FF\n\x1a",
+          "\xEF\xBB\xBF"
+          ":0100040055A6\n:00000001FF\n"})
+        CHECK(intel_hex::read(text, "f").at(0).bytes == std::vector<std::uint8_t>{0x55});
+    CHECK_REFUSED(intel_hex::read("\x1a\n:0100040055A6\n:00000001FF\n", "f"));
+}
+
 TEST_CASE("intel hex: every kind of damage is an error that names the line", "[hex]") {
     const std::string text =
         GENERATE(as<std::string>{}, "", "hello\n", ":00000001FF\n:00000001FF\n", ":0100040055A7\n", ":0100040055A6\n",
                  ":0100040055\n", ":010004005\n", ":0100040G55A6\n", ":0100000001FE\n:0100000002FD\n:00000001FF\n",
-                 ":0200000001 02FB\n", ":0400000500000000F7\n", ":00000006FA\n", ":0100000400FB\n",
+                 ":0200000001 02FB\n", ":0400000500000001F6\n", ":00000006FA\n", ":0100000400FB\n",
                  ":02000004FFFFFC\n:02FFFF000102FD\n:00000001FF\n");
     CAPTURE(text);
     REQUIRE_REFUSED(intel_hex::read(text, "f"));

@@ -8,6 +8,7 @@
 #include "../refusal.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/adaptics.hpp"
+#include "haptogram/shape/adaptics_frames.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/document.hpp"
@@ -148,7 +149,7 @@ TEST_CASE("path file: mistakes are named with their place", "[path_file]") {
     refuses_csv("time_s,x_mm,y_mm,z_mm,mark,mark\n");
     refuses_csv(head + "0,0,0,130\n");
     refuses_csv(head + "0,0,0,x,1\n");
-    REQUIRE_REFUSED(load_path("p.txt", carrier_hz, 10));
+    REQUIRE_REFUSED(path_of_file("", "p.txt", carrier_hz));
 }
 
 TEST_CASE("path file: an AdapTics pattern goes from place to place and holds", "[path_file]") {
@@ -259,30 +260,95 @@ TEST_CASE("path file: the same path by hand in two formats gives the same pulses
     REQUIRE(compile(from_json, array, core).bundle.hex == one.bundle.hex);
 }
 
-TEST_CASE("path file: AdapTics parameters have their defaults, and jumps are refused", "[path_file]") {
-    const std::string dynamic =
-        R"({"name": "circle", "params": {"radius": {"type": "dynamic", "value": "depth"}, "am_freq": {"type": "f64", "value": 0}}})";
-    const Path path = path_from_adaptics(pattern(dynamic), "p.adaptics", carrier_hz, 300);
-    const double ms = 0.05;
-    const Vec3 place = from_mm(-10 + ms, 0, 150);
-    REQUIRE(distance(path.steps[0].foci[0].position, place) == Approx(2e-3));  // 5 is more than the most, 2
-    const auto refuses = [](const std::string& text, const std::string& words) {
-        CAPTURE(words);
-        REQUIRE_REFUSED(path_from_adaptics(text, "p.adaptics", carrier_hz, 300));
+namespace {
+
+std::string with_radius(const std::string& type, const std::string& value) {
+    return R"({"name": "circle", "params": {"radius": {"type": ")" + type + R"(", "value": )" + value +
+           R"(}, "am_freq": {"type": "f64", "value": 0}}})";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    REQUIRE(text.find(from) != std::string::npos);
+    return text.replace(text.find(from), from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("path file: AdapTics parameters and formulas have their defaults, or what is set", "[path_file][adaptics]") {
+    const auto radius = [](const std::string& type, const std::string& value, const Parameters& given = {}) {
+        const Path path = path_from_adaptics(pattern(with_radius(type, value)), "p.adaptics", carrier_hz, 300, given);
+        return distance(path.steps[0].foci[0].position, from_mm(-10 + 0.05, 0, 150)) / millimetre;
     };
-    const auto jump = [](const std::string& name) {
+    for (const char* const type : {"param", "dynamic"}) {
+        CHECK(radius(type, "\"depth\"") == Approx(2.0));  // 5 is more than the most, 2
+        CHECK(radius(type, "\"depth\"", {{"depth", 0.5}}) == Approx(0.5));
+    }
+    CHECK(radius("param", "\"nowhere\"") == Approx(0.0).margin(1e-9));
+    CHECK(radius("param", "\"nowhere\"", {{"nowhere", 3.0}}) == Approx(3.0));
+    const std::string depth = R"({"type": "parameter", "value": "depth"})";
+    const auto of = [&depth](const std::string& name, const std::string& right) {
+        return R"({"type": ")" + name + R"(", "value": [)" + depth + "," + right + "]}";
+    };
+    const std::string three = R"({"type": "constant", "value": 3})";
+    CHECK(radius("formula", of("add", three)) == Approx(5.0));
+    CHECK(radius("formula", of("Multiply", of("subtract", R"({"type": "constant", "value": 0.5})"))) == Approx(3.0));
+    CHECK(radius("formula", of("divide", three), {{"depth", 1.5}}) == Approx(0.5));
+    CHECK(radius("formula", depth) == Approx(2.0));
+    REQUIRE_REFUSED(radius("formula", of("divide", of("subtract", depth))));
+    REQUIRE_REFUSED(radius("formula", of("power", three)));
+    REQUIRE_REFUSED(radius("formula", R"({"type": "add", "value": [1]})"));
+    REQUIRE_REFUSED(radius("formula", "\"depth + 1\""));
+    REQUIRE_REFUSED(radius("random", "1"));
+    REQUIRE_REFUSED(radius("f64", "1", {{"deep", 1.0}}));
+    REQUIRE_REFUSED(radius("param", "\"depth\"", {{"depth", 3.0}}));
+    CHECK(parameters_of("push=0.5, how deep=-2e1") == Parameters{{"push", 0.5}, {"how deep", -20.0}});
+    for (const char* const wrong : {"", "push", "push=", "=1", "push=a", "push=1,push=2", "push=1,", "push=inf"})
+        CHECK_FALSE(parameters_of(wrong));
+}
+
+TEST_CASE("path file: AdapTics jumps to the beginning are loops, and templates play", "[path_file][adaptics]") {
+    const auto jump = [](const std::string& name, const std::string& to = "0") {
         return R"({"condition": {"parameter": "depth", "value": 1, "operator": {"name": ")" + name +
-               R"(", "params": {}}}, "jump_to": 0})";
+               R"(", "params": {}}}, "jump_to": )" + to + "}";
     };
-    REQUIRE(path_from_adaptics(pattern(still, "0", jump("lt")), "p", carrier_hz, 60).steps.size() == 41);
-    refuses(pattern(still, "0", jump("gt")), "cannot jump");
-    refuses(pattern(still, "0", jump("eq")), "lt, lt_eq, gt or gt_eq");
-    std::string formula = pattern(dynamic);
-    formula.replace(formula.find("\"depth\"}"), 7, "\"depth + 1\"");
-    refuses(formula, "formulas are not read");
-    std::string old = pattern(still);
-    old.replace(old.find("0.1.0"), 5, "0.0.3");
-    refuses(old, "$REVISION must be");
-    refuses("{}", "$DATA_FORMAT");
+    const auto path_of_jump = [&](const std::string& name, const std::string& to = "0", const Parameters& given = {}) {
+        return path_from_adaptics(pattern(still, "0", jump(name, to)), "p", carrier_hz, 40, given);
+    };
+    CHECK(path_of_jump("lt").periods() == 1200);
+    CHECK(path_of_jump("gt").periods() == 800);  // before the pause
+    CHECK(path_of_jump("gt_eq").periods() == 800);
+    CHECK(path_of_jump("gt", "5", {{"depth", 0.0}}).periods() == 1200);
+    REQUIRE_REFUSED(path_of_jump("gt", "5"));
+    REQUIRE_REFUSED(path_of_jump("eq"));
+    const auto template_of = [](const std::string& brush) {
+        std::string text = pattern(brush);
+        const std::size_t second = text.find(R"(,{"type": "standard", "time": 20)"),
+                          end = text.find("], \"pattern_transform");
+        return text.erase(second, end - second);
+    };
+    const Path circle = path_from_adaptics(template_of(ring), "p", carrier_hz, 40);
+    CHECK(circle.periods() == 400);
+    CHECK(distance(circle.steps.at(10).foci.at(0).position, from_mm(-10 + 8 * std::cos(1.05 * std::numbers::pi / 2),
+                                                                    8 * std::sin(1.05 * std::numbers::pi / 2), 150)) <
+          1e-12);
+    const std::string beating =
+        replaced(ring, R"("am_freq": {"type": "f64", "value": 0)", R"("am_freq": {"type": "f64", "value": 125)");
+    CHECK(path_from_adaptics(template_of(beating), "p", carrier_hz, 40).periods() == 1600);
+    REQUIRE_REFUSED(path_from_adaptics(replaced(template_of(ring), R"("type": "standard")", R"("type": "pause")"), "p",
+                                       carrier_hz, 40));
+}
+
+TEST_CASE("path file: what is no AdapTics pattern is refused", "[path_file][adaptics]") {
+    REQUIRE_REFUSED(path_from_adaptics(replaced(pattern(still), "0.1.0", "0.0.3"), "p.adaptics", carrier_hz, 300));
+    REQUIRE_REFUSED(path_from_adaptics("{}", "p.adaptics", carrier_hz, 300));
     REQUIRE_REFUSED(path_from_adaptics(pattern(still), "p", carrier_hz, 1201));
+}
+
+TEST_CASE("path file: times since 1970 in milliseconds are not taken for seconds", "[path_file]") {
+    REQUIRE_REFUSED(
+        path_from_csv("time_s,x_mm,y_mm,z_mm\n1700000000000,0,0,130\n1700000000010,1,0,130\n", "p.csv", carrier_hz));
+    CHECK(path_from_csv("time_ms,x_mm,y_mm,z_mm\n1700000000000,0,0,130\n1700000000010,1,0,130\n", "p.csv", carrier_hz)
+              .periods() == 800);
+    CHECK(is_path_csv("t,x,y,z\n0,1,2,3\n"));
+    REQUIRE_REFUSED(path_from_csv("t,x,y,z\n0,1,2,3\n1,1,2,3\n", "p.csv", carrier_hz));
 }

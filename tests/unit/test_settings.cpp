@@ -29,7 +29,9 @@ struct AnotherValue {
     SettingValue operator()(FileOrName) const { return std::string("some.toml"); }
     SettingValue operator()(const Numbers& n) const { return n.least * 3.0; }
     SettingValue operator()(const WholeNumbers& n) const { return n.most - 1; }
-    SettingValue operator()(const Form&) const { return std::string("back:0.25"); }  // of the one there is
+    SettingValue operator()(const Form& form) const {
+        return std::string(form.fits("back:0.25") ? "back:0.25" : "push=0.25,how deep=-2");
+    }
     SettingValue operator()(Choices names) const {
         for (const std::string_view name : names)
             if (!standard || *standard != SettingValue(std::string(name))) return std::string(name);
@@ -45,6 +47,10 @@ struct AnotherValue {
 Project a_project(std::string_view key) {
     Project project;
     if (key == "path") return project;
+    if (key == "set") {
+        project.path = "a.adaptics";
+        return project;
+    }
     project.shapes.emplace_back().primitive.kind = "circle";
     if (key == "jump") project.pace.speed_m_s = 5.0;
     return project;

@@ -2,6 +2,7 @@
 // Forms that the formats allow and few programs write.
 #include <bit>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -299,4 +300,145 @@ TEST_CASE("shapes are read from memory under a name of the caller's", "[shape][f
             CHECK(error.where() == "metres_per_unit");
         }
     }
+}
+
+namespace {
+
+/// Rows of a ring of 60 points, 40 mm wide, at a height of 130, with something in front of each.
+std::string ring(const std::string& in_front = "", bool numbered = false) {
+    std::string rows;
+    for (int i = 0; i < 60; ++i) {
+        const double turn = 2.0 * 3.141592653589793 * i / 60.0;
+        rows += in_front + (numbered ? std::to_string(i + 1) + " " : "") + std::to_string(20.0 * std::cos(turn)) + " " +
+                std::to_string(20.0 * std::sin(turn)) + " 130\n";
+    }
+    return rows;
+}
+
+std::string times(int count, const std::string& row) {
+    std::string rows;
+    for (int i = 0; i < count; ++i) rows += row;
+    return rows;
+}
+
+std::vector<Vec3> cloud_of(const std::string& content, ShapeFormat format) {
+    return std::get<Cloud>(read(content, format)).points;
+}
+
+}  // namespace
+
+TEST_CASE("pixels that a depth camera has not seen are no points", "[shape][forms][seen]") {
+    const std::vector<Vec3> clean = cloud_of(ring(), ShapeFormat::xyz);
+    REQUIRE(clean.size() == 60);
+    for (const std::string& unseen : {times(200, "0 0 0\n"), times(5, "3 4 -700\n"), times(7, "nan NaN nan\n")}) {
+        CAPTURE(unseen);
+        const Shape shape = load_shape(unseen + ring(), ShapeFormat::xyz, "a scan", 1.0);
+        CHECK(std::get<Cloud>(shape.pieces.front()).points == clean);
+        REQUIRE(shape.remarks.size() == 1);
+        CHECK_SAID(shape.remarks.front());
+    }
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 63\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    CHECK(cloud_of(header + times(3, "nan nan nan\n") + ring(), ShapeFormat::ply) == clean);
+    CHECK(cloud_of("x,y,z\nnan,nan,nan\n1,2,3\n", ShapeFormat::csv).size() == 1);
+    // Two may be meant, a point that others surround is no heap apart, and a shape has each point several times.
+    CHECK(cloud_of(ring() + times(2, "0 0 0\n"), ShapeFormat::xyz).size() == 62);
+    CHECK(cloud_of(ring() + times(9, "20.5 0 130\n"), ShapeFormat::xyz).size() == 69);
+    CHECK(cloud_of(ring() + ring() + times(9, "0 0 0\n"), ShapeFormat::xyz).size() == 129);
+    refusal(times(4, "nan nan nan\n"), ShapeFormat::xyz);
+    refusal(ring() + "nan 1 2\n", ShapeFormat::xyz);
+    refusal(header + times(3, "nan nan 130\n") + ring(), ShapeFormat::ply);
+}
+
+TEST_CASE("a first column that counts is told of", "[shape][forms][rows]") {
+    const Shape counted = load_shape(ring("", true), ShapeFormat::xyz, "a cloud", 1.0);
+    REQUIRE(counted.remarks.size() == 1);
+    CHECK_SAID(counted.remarks.front());
+    const Shape named = load_shape("n x y z\n" + ring("", true), ShapeFormat::xyz, "a cloud", 1.0);
+    CHECK(named.remarks.empty());
+    CHECK(std::get<Cloud>(named.pieces.front()).points == cloud_of(ring(), ShapeFormat::xyz));
+    CHECK(load_shape("1 0 130\n2 0 130\n3 0 130\n", ShapeFormat::xyz, "a line", 1.0).remarks.empty());
+    CHECK(load_shape("1 0 130 7\n2 0 130 7\n4 0 130 7\n", ShapeFormat::xyz, "a line", 1.0).remarks.empty());
+}
+
+TEST_CASE("rows as spreadsheets and other programs write them", "[shape][forms][rows]") {
+    const std::vector<Vec3> points{{1.5, -2.0, 3.0}, {4.0, 5.0, 6.25}};
+    for (const char* const csv :
+         {"sep=;\nx;y;z\n1.5;-2;3\n4;5;6.25\n", "1,5;-2;3\n4;5;6,25\n", "x_mm,y_mm,z_mm\n1.5,-2,3\n4,5,6.25\n",
+          "\"Points:2\",\"Points:0\",\"Points:1\"\n3,1.5,-2\n6.25,4,5\n", "//X,Y,Z\n1.5,-2,3\n4,5,6.25\n",
+          "2\n1.5,-2,3\n4,5,6.25\n", "x y z\n1.5 -2 3\n4 5 6.25\n",
+          "\xEF\xBB\xBF"
+          "x;y;z\n1,5;-2;3\n4;5;6,25\n"}) {
+        CAPTURE(csv);
+        CHECK(cloud_of(csv, ShapeFormat::csv) == points);
+    }
+    for (const char* const xyz : {"1.5, -2, 3\n4, 5, 6.25\n", "1.5,-2,3\n4,5,6.25\n", "2\n1.5 -2 3\n4 5 6.25\n",
+                                  "X Y Z\n1.5 -2 3\n4 5 6.25\n", "//X Y Z Scalar_field\n1.5 -2 3 9\n4 5 6.25 9\n",
+                                  "// made by a program\n1.5 -2 3\n4 5 6.25\n", "1.5\t-2\t3 # one\n4\t5\t6.25\n"}) {
+        CAPTURE(xyz);
+        CHECK(cloud_of(xyz, ShapeFormat::xyz) == points);
+    }
+    refusal("3\n1 2 3\n4 5 6\n", ShapeFormat::xyz);
+    refusal("1,5 2,5 3,5\n", ShapeFormat::xyz);
+    refusal("1.234,5;2;3\n", ShapeFormat::csv);
+    refusal("1,234,567;2;3\n", ShapeFormat::csv);
+    refusal("time,height\n1,2\n", ShapeFormat::csv);
+}
+
+TEST_CASE("statements of OBJ that change nothing, a byte order mark, and faces before vertices",
+          "[shape][forms][obj]") {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", face = "f 1 2 3 4\n";
+    for (const std::string& more : {std::string("lod 2\nbevel on\nc_interp off\nd_interp on\nusemap a\nmaplib b\n"
+                                                "shadow_obj c\ntrace_obj d\np 1 2\n"),
+                                    std::string("\xEF\xBB\xBF")}) {
+        CAPTURE(more);
+        CHECK(area(read_mesh(more + vertices + face, ShapeFormat::obj)) == Approx(1.0));
+    }
+    CHECK(area(read_mesh(face + vertices, ShapeFormat::obj)) == Approx(1.0));
+    CHECK(area(read_mesh(vertices + "f -4 -3 -2 -1\nv 9 9 9\n", ShapeFormat::obj)) == Approx(1.0));
+    refusal("f 1 2 5\n" + vertices, ShapeFormat::obj);
+    refusal("f -1 -2 -3\n" + vertices, ShapeFormat::obj);
+    refusal(vertices + "curv 0 1 1 2\n", ShapeFormat::obj);
+    const std::string stl =
+        "\xEF\xBB\xBF"
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+        "0\nendloop\nendfacet\nendsolid a\n";
+    CHECK(area(read_mesh(stl, ShapeFormat::stl)) == Approx(0.5));
+}
+
+TEST_CASE("lines of OBJ are curves, and beside faces left out with a word", "[shape][forms][obj]") {
+    const std::string vertices = "v 0 0 0\nv 3 0 0\nv 3 4 0\n";
+    const Curve outline = std::get<Curve>(read(vertices + "l 1 2 3 1\n", ShapeFormat::obj));
+    CHECK(outline.closed);
+    CHECK(outline.length == Approx(12.0));
+    CHECK(distance(outline.at(5.0), {3.0, 2.0, 0.0}) < 1e-12);
+    const Shape open = load_shape(vertices + "l 1/1 2/2\nl -1 -2\n", ShapeFormat::obj, "lines", millimetre);
+    REQUIRE(open.pieces.size() == 2);
+    CHECK(std::get<Curve>(open.pieces[1]).length == Approx(4e-3));
+    CHECK_FALSE(std::get<Curve>(open.pieces[0]).closed);
+    CHECK(distance(std::get<Curve>(stood_up(open).pieces[1]).at(0.0), {3e-3, 0.0, 4e-3}) < 1e-12);
+    const Shape beside = load_shape(vertices + "f 1 2 3\nl 1 3\n", ShapeFormat::obj, "a face", 1.0);
+    CHECK(std::get<Mesh>(beside.pieces.front()).triangles.size() == 1);
+    REQUIRE(beside.remarks.size() == 1);
+    CHECK_SAID(beside.remarks.front());
+    refusal(vertices + "l 1\n", ShapeFormat::obj);
+    refusal(vertices + "l 2 2\n", ShapeFormat::obj);
+    refusal(vertices + "l 1 4\n", ShapeFormat::obj);
+}
+
+TEST_CASE("OFF has vertices and faces, or vertices alone", "[shape][forms][off]") {
+    const std::string square = "4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+    for (const std::string& text :
+         {"OFF\n" + square, "# by a program\nOFF " + square,
+          std::string("COFF\n\n4 1 0 # four\n0 0 0 9 9 9 1\n1 0 0 9 9 9 1\n1 1 0 9 9 9 1\n0 1 0 9 9 9 1\n"
+                      "4 0 1 2 3 0.5 0.5 0.5\n\n")})
+        CHECK(area(read_mesh(text, ShapeFormat::off)) == Approx(1.0));
+    CHECK(cloud_of("OFF\n1 0 0\n1.5 2 3\n", ShapeFormat::off) == std::vector<Vec3>{{1.5, 2.0, 3.0}});
+    CHECK(shape_format("OFF\n" + square, "-") == ShapeFormat::off);
+    CHECK(has_shape_ending("Cat.OFF"));
+    for (const char* const wrong :
+         {"4OFF\n1 0 0\n1 2 3\n", "OFF\n", "OFF\n2 0 0\n1 2 3\n", "OFF\n1 1 0\n1 2 3\n", "OFF\n1 0 0\n1 2 3\n4 5 6\n",
+          "OFF\n1 0 0\n1 2\n", "OFF\n1.5 0 0\n1 2 3\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+          "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "OFF\n0 0 0\n"})
+        refusal(wrong, ShapeFormat::off);
 }

@@ -265,6 +265,16 @@ TEST_CASE("waveform: mistakes are named", "[waveform]") {
     refuses_wav(wav({1.5}, 8000, 132));
 }
 
+TEST_CASE("waveform: a sound that came through a pipe ends with the file", "[waveform]") {
+    const std::string good = wav({0.0, 0.5, -0.5}, 8000, 16);
+    const std::size_t at = good.find("data") + 4;
+    for (const std::string& length : {std::string(4, '\xff'), std::string(4, '\0')}) {
+        std::string piped = good;
+        piped.replace(4, 4, length).replace(at, 4, length);
+        CHECK(wave_from_wav(piped, "x.wav").samples == wave_from_wav(good, "x.wav").samples);
+    }
+}
+
 TEST_CASE("waveform: foci that a modulation always silences are warned of", "[waveform]") {
     Project project;
     project.shapes.resize(1);

@@ -239,7 +239,7 @@ void add_robot_explore(CLI::App& robot, Action& action) {
     sub->add_option("--rotate", command->object_angles, "Turns of the object: degrees about x, then y, then z")
         ->capture_default_str();
     sub->add_option("--unit", command->object.unit, "Unit of a mesh file's coordinates")
-        ->check(CLI::IsMember({"mm", "cm", "m"}))
+        ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
         ->capture_default_str();
     add_number(*sub, "--magnitude", scene.magnitude, "Perceived magnitude of each focus");
     add_number(*sub, "--frequency", scene.frequency_hz, "Frequency of the square wave that modulates them, Hz");

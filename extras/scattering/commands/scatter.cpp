@@ -129,7 +129,7 @@ void add_scatter(CLI::App& app, Action& action) {
                     "Edge of a built-in body's triangles, mm (default: an eighth of the wavelength)")
         ->check(positive());
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the mesh")
-        ->check(CLI::IsMember({"mm", "cm", "m"}))
+        ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
         ->capture_default_str();
     sub->add_option("--center", options->center, "Where the middle of the body goes, x,y,z in mm");
     sub->add_option("--rotate", options->rotate, "Turn it about its middle: degrees about x, then y, then z")

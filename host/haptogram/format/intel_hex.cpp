@@ -9,6 +9,7 @@
 #include <span>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram::intel_hex {
 namespace {
@@ -131,6 +132,7 @@ std::string write(const std::vector<Segment>& segments) {
 }
 
 std::vector<Segment> read(std::string_view text, const std::string& where) {
+    text = without_byte_order_mark(text);
     std::map<std::uint32_t, Segment> pieces;
     std::uint32_t base = 0;
     bool ended = false;
@@ -140,7 +142,8 @@ std::vector<Segment> read(std::string_view text, const std::string& where) {
         const std::size_t newline = text.find('\n');
         std::string_view line = text.substr(0, newline);
         text.remove_prefix(newline == std::string_view::npos ? text.size() : newline + 1);
-        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+        // Control-Z is old systems' end of a text.
+        line = line.substr(0, line.find_last_not_of(ended ? " \t\r\x1a" : " \t\r") + 1);
         if (line.empty()) continue;
         const std::string here = fmt::format("{}:{}", where, number);
         if (ended) throw bad_input(here, "there is text after the end record; two files may have been joined");
@@ -169,8 +172,10 @@ std::vector<Segment> read(std::string_view text, const std::string& where) {
                 break;
             case Type::start_segment:
             case Type::start_linear:
-                throw bad_input(here,
-                                "a start address has no meaning for an image; was this file made for a processor?");
+                if (std::any_of(bytes.begin() + 4, bytes.end() - 1, [](std::uint8_t byte) { return byte != 0; }))
+                    throw bad_input(here,
+                                    "a start address has no meaning for an image; was this file made for a processor?");
+                break;  // 0 is what linkers and objcopy write of themselves
             default:
                 throw bad_input(here, fmt::format("unknown record type {:02X}; known are 00, 01, 02 and 04", bytes[3]));
         }

@@ -291,8 +291,12 @@ Wave wave_from_wav(std::string_view bytes, const std::string& where) {
     std::uint16_t coding = 0, channels = 0, bits = 0;
     for (std::size_t at = 12; at + 8 <= bytes.size();) {
         const std::string_view name = bytes.substr(at, 4);
-        const std::size_t size = take<std::uint32_t>(bytes, at + 4);
+        std::size_t size = take<std::uint32_t>(bytes, at + 4);
         at += 8;
+        // A pipe cannot go back and say how long the sound has become.
+        constexpr std::size_t by_pipe = 0xFFFFFFFF;
+        const bool unknown = size == by_pipe || (size == 0 && take<std::uint32_t>(bytes, 4) == 0);
+        if (name == "data" && unknown) size = bytes.size() - at;
         if (size > bytes.size() - at)
             throw bad_input(where, fmt::format("a chunk of {} bytes, but {} are left; the file was cut short", size,
                                                bytes.size() - at));

@@ -1,54 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/shape/adaptics.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <optional>
-#include <vector>
+#include <set>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/json_member.hpp"
+#include "haptogram/base/text.hpp"
+#include "haptogram/shape/adaptics_pattern.hpp"
 #include "haptogram/shape/draw.hpp"
 
-namespace haptogram {
+namespace haptogram::adaptics {
 namespace {
-
-constexpr double largest = 1e9;  ///< of any number in a pattern
-
-/// Something that changes from key frame to key frame.
-template <class Value>
-struct Keyed {
-    double time_ms = 0.0;
-    Value value;
-    bool step = false;  ///< holds its value until the next one, instead of changing linearly
-};
-
-/// A circle has two equal half-axes; a line has its length and its thickness.
-struct Brush {
-    bool line = false;
-    double half_x_mm = 0.0, half_y_mm = 0.0, turn_deg = 0.0, am_hz = 0.0;
-};
-
-enum class FrameKind { standard, pause, stop };
-
-struct Keyframes {
-    std::vector<std::pair<double, FrameKind>> frames;  ///< times in ms, rising
-    std::vector<Keyed<Vec3>> places;                   ///< mm; one a frame, for a pause that of the frame before
-    std::vector<Keyed<Brush>> brushes;
-    std::vector<Keyed<double>> intensities;
-    Vec3 scale{1.0, 1.0, 1.0}, translate;  ///< mm
-    double turn_deg = 0.0, intensity_factor = 1.0, speed = 1.0;
-};
 
 class PatternReader {
 public:
-    explicit PatternReader(const JsonMember& root) : root_(root) {}
+    PatternReader(const JsonMember& root, const Parameters& given) : root_(root), given_(given) {}
 
-    Keyframes read() {
+    Pattern read() {
         if (root_.at("$DATA_FORMAT").text() != "MidAirHapticsAnimationFileFormat")
             throw root_.at("$DATA_FORMAT").wrong("\"MidAirHapticsAnimationFileFormat\"");
         const std::string revision = root_.at("$REVISION").text();
@@ -60,47 +33,92 @@ public:
         std::stable_sort(frames.begin(), frames.end(),
                          [](const JsonMember& a, const JsonMember& b) { return time_of(a) < time_of(b); });
         for (const JsonMember& frame : frames) add(frame);
-        if (pattern_.frames.size() < 2 || pattern_.frames.back().first <= pattern_.frames.front().first)
-            throw root_.at("keyframes").wrong("a list of key frames that lasts some time");
-        if (pattern_.frames.front().second != FrameKind::standard)
+        require_use_of_given();
+        if (pattern_.frames.empty() || pattern_.frames.front().second != FrameKind::standard)
             throw root_.at("keyframes").wrong("a list that begins with a standard key frame, which has a place");
+        const double begin_ms = pattern_.frames.front().first;
+        if (pattern_.frames.back().first <= begin_ms)
+            pattern_.frames.emplace_back(begin_ms + template_ms(), FrameKind::stop);
         return std::move(pattern_);
     }
 
 private:
     static double time_of(const JsonMember& frame) { return frame.at("time").number(0.0, largest); }
 
+    /// How long a pattern of one key frame plays.
+    [[nodiscard]] double template_ms() const {
+        const double beats = pattern_.brushes.empty() ? 0.0 : pattern_.brushes.back().value.am_hz / adaptics_brush_hz;
+        double turns = 1.0;
+        while (turns < adaptics_brush_hz && std::abs(turns * beats - std::round(turns * beats)) > 1e-9) ++turns;
+        return turns * pattern_.speed * 1e3 / adaptics_brush_hz;
+    }
+
     void read_parameters() {
+        parameters_ = given_;
         const auto definitions = root_.find("user_parameter_definitions");
         if (!definitions) return;
         for (const auto& [name, unused] : definitions->object().items()) {
             const JsonMember definition = definitions->at(name);
-            double value = definition.at("default").number(-largest, largest);
-            const auto bound = [&](const char* key) {
+            const auto bound = [&](const char* key, double none) {
                 const auto found = definition.find(key);
-                return found && !found->value().is_null() ? std::optional(found->number(-largest, largest))
-                                                          : std::nullopt;
+                return found && !found->value().is_null() ? found->number(-largest, largest) : none;
             };
-            if (const auto low = bound("min")) value = std::max(value, *low);
-            if (const auto high = bound("max")) value = std::min(value, *high);
-            parameters_[name] = value;
+            const double low = bound("min", -largest), high = std::max(low, bound("max", largest));
+            const double standard = std::clamp(definition.at("default").number(-largest, largest), low, high);
+            const double value = parameters_.try_emplace(name, standard).first->second;
+            if (!(value >= low && value <= high))
+                throw impossible("set", fmt::format("found {}={}, expected {} to {}, which is the pattern's range; set "
+                                                    "another value",
+                                                    name, value, low, high));
+            used_.insert(name);
         }
     }
 
-    /// A number, or the value of the parameter that is named.
-    [[nodiscard]] double dynamic(const JsonMember& member) const {
+    void require_use_of_given() const {
+        for (const auto& [name, unused] : given_)
+            if (!used_.contains(name))
+                throw impossible("set",
+                                 fmt::format("found the parameter {}, expected one of the pattern's: {}; correct "
+                                             "the name",
+                                             shown(name), used_.empty() ? "it has none" : joined()));
+    }
+    [[nodiscard]] std::string joined() const { return fmt::format("{}", fmt::join(used_, ", ")); }
+
+    /// A parameter that is nowhere defined is 0, as in the designer.
+    double parameter(const std::string& name) {
+        used_.insert(name);
+        return parameters_.try_emplace(name, 0.0).first->second;
+    }
+
+    double formula(const JsonMember& member) {
+        const std::string type = lower_case(member.at("type").text());
+        const JsonMember value = member.at("value");
+        if (type == "constant") return value.number(-largest, largest);
+        if (type == "parameter") return parameter(value.text());
+        const std::vector<JsonMember> sides = value.list();
+        if (sides.size() != 2) throw value.wrong("the two sides of the formula");
+        const double left = formula(sides[0]), right = formula(sides[1]);
+        if (type == "add") return left + right;
+        if (type == "subtract") return left - right;
+        if (type == "multiply") return left * right;
+        if (type == "divide") return left / right;
+        throw member.at("type").wrong("constant, parameter, add, subtract, multiply or divide");
+    }
+
+    /// A number, a parameter's value, or what a formula of them comes to.
+    double dynamic(const JsonMember& member) {
         const std::string type = member.at("type").text();
         const JsonMember value = member.at("value");
         if (type == "f64") return value.number(-largest, largest);
-        if (type != "dynamic") throw member.at("type").wrong("\"f64\" or \"dynamic\"");
-        if (!value.value().is_string()) throw value.wrong("the name of a parameter; formulas are not read");
-        const auto found = parameters_.find(value.text());
-        if (found == parameters_.end())
-            throw value.wrong("a parameter that user_parameter_definitions has; formulas are not read");
-        return found->second;
+        if (type == "param" || type == "dynamic") return parameter(value.text());
+        if (type != "formula") throw member.at("type").wrong("f64, param or formula");
+        const double result = formula(value);
+        if (!(std::abs(result) <= largest))
+            throw value.wrong(fmt::format("a formula that comes to at most {}, not to {}", largest, result));
+        return result;
     }
 
-    [[nodiscard]] Vec3 dynamic_vector(const JsonMember& member) const {
+    Vec3 dynamic_vector(const JsonMember& member) {
         return {dynamic(member.at("x")), dynamic(member.at("y")), dynamic(member.at("z"))};
     }
 
@@ -122,7 +140,7 @@ private:
         return name.text() == "step";
     }
 
-    [[nodiscard]] Brush brush_of(const JsonMember& member) const {
+    Brush brush_of(const JsonMember& member) {
         const JsonMember params = member.at("params");
         const std::string name = member.at("name").text();
         Brush brush;
@@ -140,30 +158,36 @@ private:
         return brush;
     }
 
-    [[nodiscard]] double intensity_of(const JsonMember& member) const {
+    double intensity_of(const JsonMember& member) {
         if (member.at("name").text() != "constant")
             throw member.at("name").wrong("\"constant\"; a path cannot have a random intensity");
         return dynamic(member.at("params").at("value"));
     }
 
-    void refuse_jumps(const JsonMember& frame) const {
+    /// Whether the pattern goes back to its beginning from here.
+    [[nodiscard]] bool jumps(const JsonMember& frame) const {
         const auto jumps = frame.find("cjumps");
-        if (!jumps) return;
+        if (!jumps || time_of(frame) == 0.0) return false;  // the designer does not look at jumps of the beginning
         for (const JsonMember& jump : jumps->list()) {
             const JsonMember condition = jump.at("condition");
             const auto found = parameters_.find(condition.at("parameter").text());
-            if (found == parameters_.end()) continue;  // such a condition never holds
             const double value = condition.at("value").number(-largest, largest);
             const std::string name = condition.at("operator").at("name").text();
+            if (found == parameters_.end()) continue;  // such a condition never holds
             const bool holds = name == "lt"      ? found->second < value
                                : name == "lt_eq" ? found->second <= value
                                : name == "gt"    ? found->second > value
                                : name == "gt_eq" ? found->second >= value
                                                  : throw condition.at("operator").wrong("lt, lt_eq, gt or gt_eq");
-            if (holds)
-                throw condition.wrong(
-                    "a condition that does not hold for the parameters' defaults; a path cannot jump, so remove it");
+            if (!holds) continue;
+            const JsonMember to = jump.at("jump_to");
+            if (to.number(0.0, largest) != 0.0)
+                throw to.wrong(
+                    "0, the beginning, as its condition holds and a path can only repeat; set the parameter "
+                    "so that it does not hold, or remove the jump");
+            return true;
         }
+        return false;
     }
 
     void add(const JsonMember& frame) {
@@ -186,7 +210,6 @@ private:
             pattern_.places.push_back({time, pattern_.places.back().value, pattern_.places.back().step});
         }
         if (stopped_) return;
-        refuse_jumps(frame);
         const auto present = [&](const char* key) {
             const auto found = frame.find(key);
             return found && !found->value().is_null() ? found : std::nullopt;
@@ -195,11 +218,14 @@ private:
             pattern_.brushes.push_back({time, brush_of(brush->at("brush")), is_step(*brush)});
         if (const auto intensity = present("intensity"))
             pattern_.intensities.push_back({time, intensity_of(intensity->at("intensity")), is_step(*intensity)});
+        stopped_ = jumps(frame);
     }
 
     const JsonMember& root_;
-    Keyframes pattern_;
-    std::map<std::string, double> parameters_;
+    Pattern pattern_;
+    const Parameters& given_;
+    Parameters parameters_;
+    std::set<std::string> used_;
     bool stopped_ = false;
 };
 
@@ -228,15 +254,14 @@ Vec3 turned(Vec3 p, double degrees) {
     return {p.x * std::cos(angle) - p.y * std::sin(angle), p.x * std::sin(angle) + p.y * std::cos(angle), p.z};
 }
 
-/// What key frames say of a moment.
-struct Moment {
-    Vec3 place;  ///< mm, where the pattern's transform has brought it
-    Brush brush;
-    double intensity = 0.0;
-};
+}  // namespace
 
-/// @param after  as around() has it
-Moment moment_of(const Keyframes& pattern, double after_ms, double time_ms) {
+Pattern read_pattern(std::string_view text, const std::string& where, const Parameters& parameters) {
+    const nlohmann::ordered_json document = parse_json(text, where);
+    return PatternReader(JsonMember(document, where), parameters).read();
+}
+
+Moment moment_of(const Pattern& pattern, double after_ms, double time_ms) {
     const auto [place, next_place, place_part] = around(pattern.places, after_ms, time_ms, Vec3{});
     const Vec3 at = place + place_part * (next_place - place);
     const auto [a, b, brush_part] = around(pattern.brushes, after_ms, time_ms, Brush{});
@@ -246,14 +271,10 @@ Moment moment_of(const Keyframes& pattern, double after_ms, double time_ms) {
             blend(a, b, brush_part), pattern.intensity_factor * (from + part * (to - from))};
 }
 
-bool same(double a, double b) { return std::abs(a - b) <= 1e-9 * std::max({1.0, std::abs(a), std::abs(b)}); }
-bool same(const Moment& a, const Moment& b) {
-    return same(a.place.x, b.place.x) && same(a.place.y, b.place.y) && same(a.place.z, b.place.z) &&
-           same(a.brush.half_x_mm, b.brush.half_x_mm) && same(a.intensity, b.intensity);
-}
+namespace {
 
 /// @param played_s  since the pattern began, in real time: brushes turn and pulsate in it, whatever the speed is
-Focus focus_at(const Keyframes& pattern, double pattern_ms, double played_s) {
+Focus focus_at(const Pattern& pattern, double pattern_ms, double played_s) {
     const auto [place, brush, intensity] = moment_of(pattern, pattern_ms, pattern_ms);
     const double turns = 2.0 * std::numbers::pi * adaptics_brush_hz * played_s;
     const Vec3 at =
@@ -263,11 +284,13 @@ Focus focus_at(const Keyframes& pattern, double pattern_ms, double played_s) {
 }
 
 }  // namespace
+}  // namespace haptogram::adaptics
 
-Path path_from_adaptics(std::string_view text, const std::string& where, double carrier_hz, std::size_t samples) {
-    const nlohmann::ordered_json document = parse_json(text, where);
-    const JsonMember root(document, where);
-    const Keyframes pattern = PatternReader(root).read();
+namespace haptogram {
+
+Path path_from_adaptics(std::string_view text, const std::string& where, double carrier_hz, std::size_t samples,
+                        const Parameters& parameters) {
+    const adaptics::Pattern pattern = adaptics::read_pattern(text, where, parameters);
     const double begin_ms = pattern.frames.front().first;
     const double length_s = (pattern.frames.back().first - begin_ms) * 1e-3 / pattern.speed;
     if (samples == 0) throw bad_argument("points", "found 0, expected at least 1 sample of the pattern", {"points"});
@@ -279,7 +302,7 @@ Path path_from_adaptics(std::string_view text, const std::string& where, double 
     std::vector<Stretch> stretches;
     for (std::size_t i = 0; i < samples; ++i) {
         const double played_s = each_s * (static_cast<double>(i) + 0.5);
-        const Focus focus = focus_at(pattern, begin_ms + played_s * pattern.speed * 1e3, played_s);
+        const Focus focus = adaptics::focus_at(pattern, begin_ms + played_s * pattern.speed * 1e3, played_s);
         if (!(focus.amplitude >= 0.0 && focus.amplitude <= 1.0))
             throw bad_input(where, fmt::format("an intensity of {:.6g} after {:.6g} s; expected 0 to 1, with "
                                                "intensity_factor",
@@ -293,56 +316,6 @@ Path path_from_adaptics(std::string_view text, const std::string& where, double 
             stretches.push_back({foci, periods});
     }
     return path_of(stretches);
-}
-
-AdapticsFrames frames_from_adaptics(std::string_view text, const std::string& where) {
-    const nlohmann::ordered_json document = parse_json(text, where);
-    const JsonMember root(document, where);
-    const Keyframes pattern = PatternReader(root).read();
-    const auto cannot = [&](const std::string& why) {
-        return bad_input(where, fmt::format("key frames of a shape cannot say it: {}", why));
-    };
-    std::vector<double> times_ms;
-    for (const auto& [time_ms, kind] : pattern.frames)
-        if (times_ms.empty() || time_ms > times_ms.back()) times_ms.push_back(time_ms);
-    std::vector<Moment> moments;
-    double widest_mm = 0.0, narrowest_mm = largest;
-    for (const double time_ms : times_ms) {
-        const Moment& now = moments.emplace_back(moment_of(pattern, time_ms, time_ms));
-        if (now.brush.line) throw cannot(fmt::format("at {:g} ms its brush is a line", time_ms));
-        if (now.brush.am_hz != moments.front().brush.am_hz)
-            throw cannot(fmt::format("its strength beats {:g} times a second at first and {:g} times at {:g} ms",
-                                     moments.front().brush.am_hz, now.brush.am_hz, time_ms));
-        if (!(now.intensity >= 0.0 && now.intensity <= 1.0))
-            throw cannot(fmt::format("its intensity is {:g} at {:g} ms, and not from 0 to 1", now.intensity, time_ms));
-        widest_mm = std::max(widest_mm, now.brush.half_x_mm);
-        narrowest_mm = std::min(narrowest_mm, now.brush.half_x_mm);
-    }
-    if (narrowest_mm < 0.0 || (narrowest_mm == 0.0 && widest_mm > 0.0))
-        throw cannot(fmt::format("its brush is a circle of {:g} mm at one time, and none at another", widest_mm));
-    AdapticsFrames found;
-    if (widest_mm > 0.0) found.diameter_m = 2.0 * widest_mm * millimetre;
-    const Vec3 first = moments.front().place;
-    found.centre = from_mm(first.x, first.y, first.z);
-    for (std::size_t i = 0; i < moments.size(); ++i) {
-        const double time_ms = times_ms[i];
-        const auto& [place, brush, intensity] = moments[i];
-        KeyFrame frame;
-        frame.time_s = (time_ms - times_ms.front()) * 1e-3 / pattern.speed;
-        frame.move = from_mm(place.x - first.x, place.y - first.y, place.z - first.z);
-        if (widest_mm > 0.0) frame.scale = brush.half_x_mm / widest_mm;
-        frame.amplitude = intensity;
-        frame.am_hz = brush.am_hz;
-        if (i + 1 < moments.size()) {
-            const Moment end = moment_of(pattern, time_ms, times_ms[i + 1]);
-            const bool stays = same(end, moments[i]);
-            if (!stays && !same(end, moments[i + 1]))
-                throw cannot(fmt::format("from {:g} ms on one thing changes evenly and another in a step", time_ms));
-            if (stays && !same(moments[i], moments[i + 1])) frame.ease = Ease::step;
-        }
-        found.frames.push_back(frame);
-    }
-    return found;
 }
 
 }  // namespace haptogram

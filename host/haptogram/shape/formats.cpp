@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -15,9 +18,48 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
+#include "haptogram/shape/draw.hpp"
 
 namespace haptogram {
 namespace {
+
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+/// What a property means for the shape.
+enum class PlyRole { none, x, y, z, face, strips };
+
+struct PlyProperty {
+    std::string name;
+    PlyType type{};
+    std::optional<PlyType> count_type{};  ///< set when the property is a list
+    PlyRole role = PlyRole::none;
+};
+
+struct PlyElement {
+    std::string name;
+    std::size_t count = 0;
+    std::vector<PlyProperty> properties;
+};
+
+/// What stands before the data of a PLY file.
+struct PlyHeader {
+    std::optional<std::endian> binary;  ///< byte order; nothing when the data are text
+    std::vector<PlyElement> elements;   ///< in the order of the data
+    std::size_t vertices = 0;           ///< how many the data hold
+    bool is_cloud = true;               ///< there are no faces
+    char line_end = '\n';
+    std::size_t lines = 0;
+    std::size_t bytes = 0;
+};
+
+/// The number whose bytes start at `bytes`.
+template <class Number>
+Number load_number(const char* bytes, std::endian order) {
+    std::array<char, sizeof(Number)> raw{};
+    std::memcpy(raw.data(), bytes, raw.size());
+    if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<Number>(raw);
+}
 
 std::optional<PlyType> type_named(std::string_view name) {
     struct Names {
@@ -120,11 +162,12 @@ void check_elements(PlyHeader& header, const std::string& name) {
                                               shown(element->name)));
         assign_roles(*element, name);
         if (element->name == "vertex") header.vertices = element->count;
+        if ((element->name == "face" || element->name == "tristrips") && element->count > 0) header.is_cloud = false;
     }
 }
 
-}  // namespace
-
+/// Reads the header and finds the properties that make the shape: x, y and z of `vertex`, and the list
+/// `vertex_indices` or `vertex_index` of `face` and `tristrips`.
 PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
     PlyHeader header;
     // The format's author speaks of lines that end with a carriage return; today's programs write LF or CRLF.
@@ -157,8 +200,6 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
     header.bytes = content.size() - lines.rest().size();
     return header;
 }
-
-namespace {
 
 double triangle_area(Vec3 a, Vec3 b, Vec3 c) { return 0.5 * norm(cross(b - a, c - a)); }
 
@@ -230,15 +271,78 @@ private:
     Vec3 normal_{};
 };
 
+bool before(Vec3 a, Vec3 b) { return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z}; }
+
+/// Leaves out three or more equal points that stand apart from all others, when each of those is there once.
+/// @return a sentence on them; empty when there are none
+std::string leave_out_heap(std::vector<Vec3>& points) {
+    std::vector<Vec3> sorted = points;
+    std::sort(sorted.begin(), sorted.end(), before);
+    std::size_t most = 0, places = 0;
+    Vec3 heap{};
+    for (std::size_t i = 0, next = 0; i < sorted.size(); i = next, ++places) {
+        while (next < sorted.size() && sorted[next] == sorted[i]) ++next;
+        if (next - i > most) heap = sorted[i];
+        most = std::max(most, next - i);
+    }
+    const std::size_t others = points.size() - most;
+    if (most < 3 || others < 10 || others - (places - 1) > others / 100) return {};
+    Vec3 low = sorted.front() == heap ? sorted.back() : sorted.front(), high = low;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& p : points) {
+        if (p == heap) continue;
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+        nearest = std::min(nearest, distance(p, heap));
+    }
+    constexpr double apart = 0.05;  // of the others' extent
+    if (nearest < apart * distance(low, high)) return {};
+    std::erase(points, heap);
+    return fmt::format(
+        "{} of its {} points lie in one place apart from the others, ({:.6g}, {:.6g}, {:.6g}) mm, as a depth "
+        "camera writes pixels that it has not seen, and are left out; to keep the place, have it in the "
+        "file once",
+        most, points.size() + most, heap.x / millimetre, heap.y / millimetre, heap.z / millimetre);
+}
+
 }  // namespace
 
-Piece as_piece(Polygons polygons, const std::string& name) {
+Shape as_shape(Polygons polygons, const std::string& name) {
     if (polygons.vertices.empty())
-        throw bad_input(name, "found no points, expected at least one; export the shape again");
+        throw bad_input(name, fmt::format("found no points{}, expected at least one; export the shape again",
+                                          polygons.unseen > 0 ? " but such of NaN" : ""));
     if (polygons.vertices.size() > std::numeric_limits<std::uint32_t>::max())
         throw bad_input(name, fmt::format("found {} vertices, expected at most {}; export the shape with fewer",
                                           polygons.vertices.size(), std::numeric_limits<std::uint32_t>::max()));
-    if (polygons.face_ends.empty()) return Cloud{std::move(polygons.vertices)};
+    Shape shape{{}, std::move(polygons.remarks)};
+    std::vector<std::string>& remarks = shape.remarks;
+    if (polygons.face_ends.empty() && !polygons.curves.empty()) {
+        for (const std::vector<std::uint32_t>& curve : polygons.curves) {
+            std::vector<Vec3> corners;
+            for (const std::uint32_t corner : curve) corners.push_back(polygons.vertices[corner]);
+            if (std::adjacent_find(corners.begin(), corners.end(), std::not_equal_to<>()) == corners.end())
+                throw bad_input(
+                    name, fmt::format("found a line from ({:.6g}, {:.6g}, {:.6g}) mm to the same place, expected "
+                                      "two places; remove it",
+                                      corners[0].x / millimetre, corners[0].y / millimetre, corners[0].z / millimetre));
+            shape.pieces.emplace_back(polyline(corners, corners.front() == corners.back()));
+        }
+        return shape;
+    }
+    if (!polygons.curves.empty())
+        remarks.push_back(
+            fmt::format("lines beside its faces ({}) are left out; a file of lines alone is drawn as curves",
+                        polygons.curves.size()));
+    if (polygons.face_ends.empty()) {
+        if (polygons.unseen > 0)
+            remarks.push_back(
+                fmt::format("{} points of NaN, as a depth camera writes pixels that it has not seen, are "
+                            "left out of {}",
+                            polygons.unseen, polygons.unseen + polygons.vertices.size()));
+        if (std::string heap = leave_out_heap(polygons.vertices); !heap.empty()) remarks.push_back(std::move(heap));
+        shape.pieces.emplace_back(Cloud{std::move(polygons.vertices)});
+        return shape;
+    }
 
     Mesh mesh{std::move(polygons.vertices), {}};
     mesh.triangles.reserve(polygons.corners.size() - 2 * polygons.face_ends.size());
@@ -272,119 +376,170 @@ Piece as_piece(Polygons polygons, const std::string& name) {
             "{} of its {} faces cross themselves, face {} first, and were cut into triangles as they "
             "are, {:.3g} % of the area upside down; export the shape as triangles",
             crossed.size(), polygons.face_ends.size(), crossed.front(), 100.0 * crossed_area / area);
-    return mesh;
+    shape.pieces.emplace_back(std::move(mesh));
+    return shape;
 }
 
 namespace {
 
-void split_words(std::string_view line, Fields& fields) {
-    fields.clear();
-    for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) fields.push_back(word);
-}
-
-/// The row from its first field to its last; it has some.
-std::string_view whole(const Fields& fields) {
-    const char* const begin = fields.front().data();
-    return {begin, static_cast<std::size_t>(fields.back().data() + fields.back().size() - begin)};
-}
-
-using Columns = std::array<std::size_t, 3>;  ///< which fields are x, y and z
-
-/// Nothing when the first row holds numbers, not names.
-std::optional<Columns> named_columns(const Fields& fields, const std::string& where) {
-    if (std::any_of(fields.begin(), fields.end(), [](auto field) { return parse_number(field).has_value(); }))
-        return std::nullopt;
-    Columns columns{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::string name(1, "xyz"[axis]);
-        const auto is_name = [&](auto field) { return lower_case(field) == name; };
-        const auto found = std::find_if(fields.begin(), fields.end(), is_name);
-        if (found == fields.end() || std::any_of(found + 1, fields.end(), is_name))
-            throw bad_input(
-                where,
-                fmt::format("found a first row {} with {} \"{}\", expected three numbers, or a header that names x, y "
-                            "and z once each; correct the row",
-                            fields.empty() ? "\"\"" : shown(whole(fields)),
-                            found == fields.end() ? "no" : "more than one", name));
-        columns.at(axis) = static_cast<std::size_t>(found - fields.begin());
+/// Takes three coordinates off the front of `rest`.
+Vec3 take_point(std::string_view& rest, const std::string& where) {
+    std::array<double, 3> point{};
+    for (double& coordinate : point) {
+        const std::string_view word = take_word(rest);
+        const auto value = parse_number(word);
+        if (!value || !is_coordinate(*value)) throw bad_coordinate(where, word);
+        coordinate = *value;
     }
-    return columns;
+    return {point[0], point[1], point[2]};
 }
 
 /// Turns rows into points. Every row must be as long as the first, or a row cut short would pass for a point.
 class Rows {
 public:
-    explicit Rows(const std::string& name) : name_(name) {}
+    /// @param tabs  part columns even when one is empty; otherwise any white space does
+    Rows(const std::string& name, bool tabs) : name_(name), tabs_(tabs) {}
 
-    void choose(const Columns& columns, std::size_t width) {
-        columns_ = columns;
-        width_ = width;
-    }
-
-    void add(const Fields& fields, std::size_t line) {
-        if (width_ == 0) width_ = std::max<std::size_t>(fields.size(), 3);
-        if (fields.size() != width_)
-            throw bad_input(at_line(name_, line),
-                            fmt::format("found {} columns, expected {} as in the rows before (at least x, y, z); "
-                                        "the row is damaged or the file was cut short",
-                                        fields.size(), width_));
-        std::array<double, 3> point{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::string_view field = fields[columns_.at(axis)];
-            const auto value = parse_number(field);
-            if (!value || !is_coordinate(*value)) throw bad_coordinate(at_line(name_, line), field);
-            point.at(axis) = *value;
+    void add(std::string_view line, std::size_t number) {
+        std::string_view rest = line;
+        const std::string_view word = take_word(rest);
+        if (word.empty() || word.starts_with('#')) return;
+        line_ = number;
+        if (width_ == 0) {
+            if (word.size() == 5 && lower_case(word).starts_with("sep=")) {
+                given_separator_ = word[4];
+                return;
+            }
+            const bool blanks = tabs_ ? line.find_first_of(",;\t") == std::string_view::npos
+                                      : word.find_first_of(",;") == std::string_view::npos;
+            separator_ = given_separator_ != 0 ? given_separator_ : blanks ? ' ' : separator_of(line);
+            const bool slashes = word.starts_with("//");
+            if (slashes) line.remove_prefix(line.find("//") + 2);
+            split(line);
+            if (begin(slashes)) return;
+        } else {
+            split(line);
         }
-        cloud_.points.push_back({point[0], point[1], point[2]});
+        take();
     }
 
-    Cloud finish() {
-        if (cloud_.points.empty())
-            throw bad_input(name_, "found no points, expected one row with x, y, z per point; export the shape again");
+    Polygons finish() {
+        if (promised_ && *promised_ != static_cast<double>(rows_))
+            throw bad_input(name_,
+                            fmt::format("found {} rows, expected {}, as the first line counts them; the file was "
+                                        "cut short or is damaged",
+                                        rows_, *promised_));
+        if (counts_ && rows_ > 2 && width_ > 3)
+            cloud_.remarks.push_back(
+                fmt::format("the first column counts {0}, {1}, {2} and so on, and is taken for x; if "
+                            "it numbers the points, name the columns in a first row such as n x y z",
+                            first_, first_ + 1.0, first_ + 2.0));
         return std::move(cloud_);
     }
 
 private:
+    [[nodiscard]] std::string where() const { return at_line(name_, line_); }
+
+    void split(std::string_view line) {
+        if (separator_ != ' ') return split_at(separator_, line, fields_);
+        line = line.substr(0, line.find('#'));
+        fields_.clear();
+        for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) fields_.push_back(word);
+    }
+
+    /// Spreadsheets of many languages write a decimal comma, and semicolons between columns.
+    [[nodiscard]] std::optional<double> number(std::string_view field) const {
+        if (separator_ != ';' || field.find(',') == std::string_view::npos) return parse_number(field);
+        std::string text(field);
+        for (char& c : text) c = c == ',' ? '.' : c == '.' ? ',' : c;
+        return parse_number(text);
+    }
+
+    /// Whether the first row is something else than a point: the names of columns, or how many rows follow.
+    /// @param slashes  stood in front of it, as of a comment
+    bool begin(bool slashes) {
+        if (fields_.size() == 1 && !promised_ && (promised_ = number(fields_[0]))) return true;
+        if (std::any_of(fields_.begin(), fields_.end(), [&](auto field) { return number(field).has_value(); })) {
+            width_ = std::max<std::size_t>(fields_.size(), 3);
+            return slashes;
+        }
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::string name(1, "xyz"[axis]);
+            const auto is_name = [&](auto field) {
+                const std::string found = lower_case(field);
+                return found == name || found == name + "_mm" || found == fmt::format("points:{}", axis);
+            };
+            const auto found = std::find_if(fields_.begin(), fields_.end(), is_name);
+            if (found == fields_.end() && slashes) return true;
+            if (found == fields_.end() || std::any_of(found + 1, fields_.end(), is_name))
+                throw bad_input(where(),
+                                fmt::format("found a first row {} with {} \"{}\", expected three numbers, or a header "
+                                            "that names x, y and z once each; correct the row",
+                                            fields_.empty() ? "\"\"" : shown(whole()),
+                                            found == fields_.end() ? "no" : "more than one", name));
+            columns_.at(axis) = static_cast<std::size_t>(found - fields_.begin());
+        }
+        width_ = fields_.size();
+        counts_ = false;
+        return true;
+    }
+
+    /// The row from its first field to its last; it has some.
+    [[nodiscard]] std::string_view whole() const {
+        const char* const begin = fields_.front().data();
+        return {begin, static_cast<std::size_t>(fields_.back().data() + fields_.back().size() - begin)};
+    }
+
+    void take() {
+        if (fields_.size() != width_)
+            throw bad_input(where(),
+                            fmt::format("found {} columns, expected {} as in the rows before (at least x, y, z); "
+                                        "the row is damaged or the file was cut short",
+                                        fields_.size(), width_));
+        std::array<double, 3> point{};
+        std::size_t unseen = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto value = number(fields_[columns_.at(axis)]);
+            point.at(axis) = value.value_or(std::numeric_limits<double>::infinity());
+            if (std::isnan(point.at(axis))) ++unseen;
+        }
+        for (std::size_t axis = 0; axis < 3 && unseen < 3; ++axis)
+            if (!is_coordinate(point.at(axis))) throw bad_coordinate(where(), fields_[columns_.at(axis)]);
+        if (rows_ == 0) first_ = point[0];
+        counts_ = counts_ && point[0] == first_ + static_cast<double>(rows_) && (first_ == 0.0 || first_ == 1.0);
+        ++rows_;
+        if (unseen == 3)
+            ++cloud_.unseen;
+        else
+            cloud_.vertices.push_back({point[0], point[1], point[2]});
+    }
+
     const std::string& name_;
-    Columns columns_{0, 1, 2};
-    std::size_t width_ = 0;
-    Cloud cloud_;
+    bool tabs_;
+    char separator_ = ',', given_separator_ = 0;
+    Fields fields_;
+    std::array<std::size_t, 3> columns_{0, 1, 2};  ///< which fields are x, y and z
+    std::size_t width_ = 0, rows_ = 0, line_ = 0;
+    std::optional<double> promised_;  ///< rows
+    bool counts_ = true;              ///< the first column, from `first_` on
+    double first_ = 0.0;
+    Polygons cloud_;
 };
 
 }  // namespace
 
-Cloud read_xyz(std::string_view content, const std::string& name) {
-    Rows rows(name);
-    Fields fields;
-    for (Lines lines(without_byte_order_mark(content)); lines.next();) {
-        split_words(lines.line().substr(0, lines.line().find('#')), fields);
-        if (!fields.empty()) rows.add(fields, lines.number());
-    }
-    return rows.finish();
-}
-
-Cloud read_csv(std::string_view content, const std::string& name) {
-    Rows rows(name);
-    Fields fields;
-    char separator = 0;
-    for (Lines lines(without_byte_order_mark(content)); lines.next();) {
-        std::string_view rest = lines.line();
-        if (const auto word = take_word(rest); word.empty() || word.starts_with('#')) continue;
-        const bool first = separator == 0;
-        if (first) separator = separator_of(lines.line());
-        split_at(separator, lines.line(), fields);
-        if (const auto columns = first ? named_columns(fields, at_line(name, lines.number())) : std::nullopt)
-            rows.choose(*columns, fields.size());
-        else
-            rows.add(fields, lines.number());
-    }
+Polygons read_rows(std::string_view content, const std::string& name, bool tabs) {
+    Rows rows(name, tabs);
+    for (Lines lines(content); lines.next();) rows.add(lines.line(), lines.number());
     return rows.finish();
 }
 
 namespace {
 
 /// Statements that add nothing to the surface and change nothing about it.
-constexpr std::array<std::string_view, 9> without_surface{"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "mg"};
+constexpr std::array<std::string_view, 18> without_surface{
+    "vt", "vn",  "vp",    "g",        "o",        "s",      "usemtl", "mtllib",     "mg",
+    "p",  "lod", "bevel", "c_interp", "d_interp", "usemap", "maplib", "shadow_obj", "trace_obj"};
 
 /// Walks over the statements of a file. A statement is one line, or several when each but the last ends with a
 /// backslash. A comment runs from "#" to the end of its line, whatever it ends with.
@@ -439,42 +594,30 @@ private:
     std::string joined_;
 };
 
-/// @param rest  what follows the word "v"
-Vec3 parse_vertex(std::string_view rest, const Statements& statements) {
-    std::array<double, 3> vertex{};
-    for (double& coordinate : vertex) {
-        const std::string_view word = take_word(rest);
-        const auto value = parse_number(word);
-        if (!value || !is_coordinate(*value)) throw bad_coordinate(statements.place(), word);
-        coordinate = *value;
-    }
-    return {vertex[0], vertex[1], vertex[2]};
-}
-
 /// Corners are "vertex", "vertex/texture", "vertex//normal" or "vertex/texture/normal"; vertices count from 1, or back
 /// from the latest with -1.
-/// @param rest  what follows the word "f"
-void add_face(std::string_view rest, const Statements& statements, Polygons& polygons) {
+/// @param rest   what follows the word "f" or "l" @param above  how many vertices stand above @param least  corners
+/// @param polygons  have all vertices
+std::vector<std::uint32_t> corners_of(std::string_view rest, const Statements& statements, long long above,
+                                      std::size_t least, const Polygons& polygons) {
     const auto vertices = static_cast<long long>(polygons.vertices.size());
-    int corners = 0;
-    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++corners) {
+    std::vector<std::uint32_t> corners;
+    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
         long long index = 0;
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
         const bool number = error == std::errc{} && (end == word.data() + word.size() || *end == '/');
-        if (index < 0) index += vertices + 1;
+        if (index < 0) index += above + 1;
         if (!number || index < 1 || index > vertices)
-            throw bad_input(
-                statements.place(),
-                fmt::format("found the corner {}, expected the number of one of the {} vertices above; export the "
-                            "shape again",
-                            shown(word), vertices));
-        polygons.corners.push_back(static_cast<std::uint32_t>(index - 1));
+            throw bad_input(statements.place(), fmt::format("found the corner {}, expected the number of one of the {} "
+                                                            "vertices; export the shape again",
+                                                            shown(word), vertices));
+        corners.push_back(static_cast<std::uint32_t>(index - 1));
     }
-    if (corners < 3)
-        throw bad_input(
-            statements.place(),
-            fmt::format("found a face with {} corners, expected 3 or more; the file may be cut short", corners));
-    polygons.end_face();
+    if (corners.size() < least)
+        throw bad_input(statements.place(),
+                        fmt::format("found a {} with {} corners, expected {} or more; the file may be cut short",
+                                    least == 2 ? "line" : "face", corners.size(), least));
+    return corners;
 }
 
 }  // namespace
@@ -483,19 +626,27 @@ Polygons read_obj(std::string_view content, const std::string& name) {
     Polygons polygons;
     for (Statements statements(content, name); statements.next();) {
         std::string_view rest = statements.text();
-        const std::string_view statement = take_word(rest);
-        if (statement == "v") {
-            polygons.vertices.push_back(parse_vertex(rest, statements));
-        } else if (statement == "f") {
-            add_face(rest, statements, polygons);
-        } else if (!statement.empty() &&
-                   std::find(without_surface.begin(), without_surface.end(), statement) == without_surface.end()) {
+        const std::string_view word = take_word(rest);
+        if (word == "v")
+            polygons.vertices.push_back(take_point(rest, statements.place()));
+        else if (!word.empty() && word != "f" && word != "l" &&
+                 std::find(without_surface.begin(), without_surface.end(), word) == without_surface.end())
             throw bad_input(statements.place(),
-                            fmt::format("found {}, expected a statement of a Wavefront OBJ file with v or f "
-                                        "(points, lines and free-form surfaces are not taken); export the "
+                            fmt::format("found {}, expected a statement of a Wavefront OBJ file with "
+                                        "v, f or l (free-form surfaces are not taken); export the "
                                         "shape as a mesh",
                                         shown(statements.text())));
-        }
+    }
+    long long above = 0;
+    for (Statements statements(content, name); statements.next();) {  // faces may stand before their vertices
+        std::string_view rest = statements.text();
+        const std::string_view word = take_word(rest);
+        if (word == "v") ++above;
+        if (word == "l") polygons.curves.push_back(corners_of(rest, statements, above, 2, polygons));
+        if (word != "f") continue;
+        const std::vector<std::uint32_t> face = corners_of(rest, statements, above, 3, polygons);
+        polygons.corners.insert(polygons.corners.end(), face.begin(), face.end());
+        polygons.end_face();
     }
     return polygons;
 }
@@ -650,14 +801,14 @@ private:
         for (const PlyProperty& property : element_->properties) {
             switch (property.role) {
                 case PlyRole::none: skip(property); break;
-                case PlyRole::x: vertex.x = coordinate(property); break;
-                case PlyRole::y: vertex.y = coordinate(property); break;
-                case PlyRole::z: vertex.z = coordinate(property); break;
+                case PlyRole::x: vertex.x = number(property.type); break;
+                case PlyRole::y: vertex.y = number(property.type); break;
+                case PlyRole::z: vertex.z = number(property.type); break;
                 case PlyRole::face: read_face(property); break;
                 case PlyRole::strips: read_strips(property); break;
             }
         }
-        if (element_->name == "vertex") polygons_.vertices.push_back(vertex);
+        if (element_->name == "vertex") add_vertex(vertex);
         if (const auto word = body_.end_element(); !word.empty())
             throw error(
                 fmt::format("found {} in the line that the element ends in, expected nothing behind an element of "
@@ -665,10 +816,17 @@ private:
                             shown(word)));
     }
 
-    double coordinate(const PlyProperty& property) {
-        const double value = number(property.type);
-        if (!is_coordinate(value)) throw error(bad_coordinate(property.name, fmt::format("{}", value)).what());
-        return value;
+    void add_vertex(Vec3 vertex) {
+        const std::array<double, 3> numbers{vertex.x, vertex.y, vertex.z};
+        const bool unseen = std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isnan(n); });
+        if (unseen && header_.is_cloud) {
+            ++polygons_.unseen;
+            return;
+        }
+        for (std::size_t i = 0; i < 3; ++i)
+            if (!is_coordinate(numbers.at(i)))
+                throw error(bad_coordinate(std::string(1, "xyz"[i]), fmt::format("{}", numbers.at(i))).what());
+        polygons_.vertices.push_back(vertex);
     }
 
     std::uint64_t list_size(const PlyProperty& property, double least, const char* expected) {
@@ -819,16 +977,7 @@ Polygons read_text(std::string_view content, const std::string& name) {
         }
         if (word == "facet") require(take_word(rest), "normal");
         if (word == "outer") require(take_word(rest), "loop");
-        if (word == "vertex") {
-            std::array<double, 3> vertex{};
-            for (double& coordinate : vertex) {
-                const std::string_view number = take_word(rest);
-                const auto value = parse_number(number);
-                if (!value || !is_coordinate(*value)) throw bad_coordinate(at_line(name, lines.number()), number);
-                coordinate = *value;
-            }
-            polygons.vertices.push_back({vertex[0], vertex[1], vertex[2]});
-        }
+        if (word == "vertex") polygons.vertices.push_back(take_point(rest, at_line(name, lines.number())));
         step = (step + 1) % row.size();
         if (step == 0) end_triangle(polygons);
     }
@@ -846,6 +995,79 @@ Polygons read_stl(std::string_view content, const std::string& name) {
     std::string_view rest = content;
     const bool text = lower_case(take_word(rest)) == "solid" && content.find('\0') == std::string_view::npos;
     return text ? read_text(lower_case(content), name) : read_binary(content, name);
+}
+
+namespace {
+
+/// The words of a text line by line, without comments.
+class LineWords {
+public:
+    LineWords(std::string_view content, const std::string& name) : lines_(content), name_(name) {}
+
+    /// Moves to the next line that has words; false at the end of the file.
+    bool next() {
+        while (lines_.next()) {
+            rest = lines_.line().substr(0, lines_.line().find('#'));
+            if (rest.find_first_not_of(" \t") != std::string_view::npos) return true;
+        }
+        return false;
+    }
+    void require_next(const std::string& what) {
+        if (!next())
+            throw bad_input(place(),
+                            fmt::format("found the end of the file, expected {}; the file is cut short", what));
+    }
+    /// A whole number off the front of the line.
+    std::size_t whole(double least, double end, const std::string& what) {
+        const std::string_view word = take_word(rest);
+        const double value = parse_number(word).value_or(-1.0);
+        if (!is_whole(value, end) || value < least)
+            throw bad_input(place(), fmt::format("found {}, expected {}; export the shape again",
+                                                 word.empty() ? "the end of the line" : shown(word), what));
+        return static_cast<std::size_t>(value);
+    }
+    [[nodiscard]] std::string place() const { return at_line(name_, lines_.number()); }
+
+    std::string_view rest;  ///< of the line
+
+private:
+    Lines lines_;
+    const std::string& name_;
+};
+
+constexpr double most_counted = 4294967296.0;
+
+}  // namespace
+
+Polygons read_off(std::string_view content, const std::string& name) {
+    LineWords lines(content, name);
+    lines.require_next("\"OFF\"");
+    if (const std::string_view word = take_word(lines.rest); word != "OFF" && word != "COFF")
+        throw bad_input(lines.place(), fmt::format("found {}, expected \"OFF\" or \"COFF\"; export the shape again, as "
+                                                   "text with three coordinates a vertex",
+                                                   shown(word)));
+    if (lines.rest.find_first_not_of(" \t") == std::string_view::npos)
+        lines.require_next("numbers of vertices and faces");
+    const std::size_t vertices = lines.whole(1.0, most_counted, "a number of vertices");
+    const std::size_t faces = lines.whole(0.0, most_counted, "a number of faces");
+    Polygons polygons;
+    for (std::size_t i = 0; i < vertices; ++i) {
+        lines.require_next(fmt::format("vertex {} of {}", i + 1, vertices));
+        polygons.vertices.push_back(take_point(lines.rest, lines.place()));
+    }
+    for (std::size_t i = 0; i < faces; ++i) {
+        lines.require_next(fmt::format("face {} of {}", i + 1, faces));
+        for (std::size_t left = lines.whole(3.0, most_counted, "3 or more corners"); left > 0; --left)
+            polygons.corners.push_back(static_cast<std::uint32_t>(lines.whole(
+                0.0, static_cast<double>(vertices), fmt::format("one of the {} vertices, from 0", vertices))));
+        polygons.end_face();
+    }
+    if (lines.next())
+        throw bad_input(lines.place(),
+                        fmt::format("found {} behind all {} faces that the file promises; its numbers are "
+                                    "wrong or it is damaged",
+                                    shown(lines.rest), faces));
+    return polygons;
 }
 
 }  // namespace haptogram

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,45 +10,14 @@
 
 namespace haptogram {
 
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-/// What a property means for the shape.
-enum class PlyRole { none, x, y, z, face, strips };
-
-struct PlyProperty {
-    std::string name;
-    PlyType type{};
-    std::optional<PlyType> count_type{};  ///< set when the property is a list
-    PlyRole role = PlyRole::none;
-};
-
-struct PlyElement {
-    std::string name;
-    std::size_t count = 0;
-    std::vector<PlyProperty> properties;
-};
-
-/// What stands before the data of a PLY file.
-struct PlyHeader {
-    std::optional<std::endian> binary;  ///< byte order; nothing when the data are text
-    std::vector<PlyElement> elements;   ///< in the order of the data
-    std::size_t vertices = 0;           ///< how many the data hold
-    char line_end = '\n';
-    std::size_t lines = 0;
-    std::size_t bytes = 0;
-};
-
-/// Reads the header and finds the properties that make the shape: x, y and z of `vertex`, and the list
-/// `vertex_indices` or `vertex_index` of `face` and `tristrips`.
-/// @throws Error{bad_input} naming the file, and the line that does not belong to a PLY header, or the property that is
-///         absent or there twice
-[[nodiscard]] PlyHeader parse_ply_header(std::string_view content, const std::string& name);
-
-/// What a mesh file holds, in the file's unit: vertices, and faces of three or more corners.
+/// What a shape file holds, in the file's unit: vertices, and faces of three or more corners.
 struct Polygons {
     std::vector<Vec3> vertices;
-    std::vector<std::uint32_t> corners;  ///< indices into `vertices`, one face after another
-    std::vector<std::size_t> face_ends;  ///< for each face, where in `corners` the next one begins
+    std::size_t unseen = 0;                          ///< points of NaN, which are no vertices
+    std::vector<std::string> remarks;                ///< sentences on what was stepped over or may be meant otherwise
+    std::vector<std::uint32_t> corners;              ///< indices into `vertices`, one face after another
+    std::vector<std::size_t> face_ends;              ///< for each face, where in `corners` the next one begins
+    std::vector<std::vector<std::uint32_t>> curves;  ///< indices into `vertices`; closed when the first is the last
 
     /// Ends the face whose corners were added last.
     void end_face() { face_ends.push_back(corners.size()); }
@@ -63,11 +27,13 @@ struct Polygons {
     }
 };
 
-/// A mesh, its faces cut into triangles; or the vertices as a cloud when there are no faces.
-/// A face of n corners becomes n - 2 triangles, also when it is concave.
+/// A mesh, its faces cut into triangles; or curves, when there are no faces; or the vertices as a cloud, when there is
+/// neither. A face of n corners becomes n - 2 triangles, also when it is concave. A cloud loses what depth cameras
+/// write for pixels that they have not seen: three or more points in one place, apart from all others, each of which is
+/// there once.
 /// @param name  of the file, for messages
-/// @throws Error{bad_input} for no vertices, for faces that have no area, and for a face that crosses itself
-[[nodiscard]] Piece as_piece(Polygons polygons, const std::string& name);
+/// @throws Error{bad_input} for no vertices, for faces that have no area, and for a curve without length
+[[nodiscard]] Shape as_shape(Polygons polygons, const std::string& name);
 
 // Each of these reads a whole file of one format, to its last byte, in the file's unit.
 // `name` is what messages call the file.
@@ -76,20 +42,12 @@ struct Polygons {
 [[nodiscard]] Polygons read_ply(std::string_view content, const std::string& name);
 [[nodiscard]] Polygons read_obj(std::string_view content, const std::string& name);
 [[nodiscard]] Polygons read_stl(std::string_view content, const std::string& name);
+[[nodiscard]] Polygons read_off(std::string_view content, const std::string& name);
 
-/// Columns x, y, z, separated by white space. Further columns, blank lines and what follows a `#` are ignored.
-[[nodiscard]] Cloud read_xyz(std::string_view content, const std::string& name);
-
-/// Columns separated by commas, semicolons or tabs. Either the first row names x, y and z, or they come first.
-[[nodiscard]] Cloud read_csv(std::string_view content, const std::string& name);
-
-/// The number whose bytes start at `bytes`.
-template <class Number>
-[[nodiscard]] Number load_number(const char* bytes, std::endian order) {
-    std::array<char, sizeof(Number)> raw{};
-    std::memcpy(raw.data(), bytes, raw.size());
-    if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
-    return std::bit_cast<Number>(raw);
-}
+/// Rows of columns, with white space, commas, semicolons or tabs between them, as the first row has them. The first row
+/// may name the columns, as x, x_mm or Points:0 and so on; otherwise x, y and z come first. A line with one number
+/// before the rows counts them. Behind semicolons a number may have a decimal comma. Further columns are ignored.
+/// @param tabs  part columns, also when one is empty, instead of being white space
+[[nodiscard]] Polygons read_rows(std::string_view content, const std::string& name, bool tabs);
 
 }  // namespace haptogram

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -17,13 +18,14 @@
 namespace haptogram {
 namespace {
 
-Piece read_piece(std::string_view content, ShapeFormat format, const std::string& name) {
+Polygons read(std::string_view content, ShapeFormat format, const std::string& name) {
     switch (format) {
-        case ShapeFormat::csv: return read_csv(content, name);
-        case ShapeFormat::obj: return as_piece(read_obj(content, name), name);
-        case ShapeFormat::ply: return as_piece(read_ply(content, name), name);
-        case ShapeFormat::stl: return as_piece(read_stl(content, name), name);
-        case ShapeFormat::xyz: return read_xyz(content, name);
+        case ShapeFormat::csv: return read_rows(content, name, true);
+        case ShapeFormat::obj: return read_obj(content, name);
+        case ShapeFormat::off: return read_off(content, name);
+        case ShapeFormat::ply: return read_ply(content, name);
+        case ShapeFormat::stl: return read_stl(content, name);
+        case ShapeFormat::xyz: return read_rows(content, name, false);
     }
     throw bad_argument("format", "is none of the shape formats; choose one of ShapeFormat");
 }
@@ -55,12 +57,13 @@ ShapeFormat shape_format(std::string_view content, const std::string& name) {
     if (content.empty()) throw bad_input(name, "is empty, expected a shape; export it again");
     const std::string begin = first_words(content);
     if (begin.starts_with("ply")) return ShapeFormat::ply;
+    if (begin.starts_with("off") || begin.starts_with("coff")) return ShapeFormat::off;
     if (is_binary_stl(content) || begin.starts_with("solid")) return ShapeFormat::stl;
     if (has_vertices_of_obj(content)) return ShapeFormat::obj;
     if (begin.find(',') != std::string::npos || begin.starts_with('x')) return ShapeFormat::csv;
     if (begin.find_first_of("0123456789#") != std::string::npos) return ShapeFormat::xyz;
-    throw bad_input(name,
-                    "found nothing that begins as PLY, STL, OBJ, CSV or XYZ does; save it as a file and name that");
+    throw bad_input(
+        name, "found nothing that begins as PLY, STL, OBJ, OFF, CSV or XYZ does; save it as a file and name that");
 }
 
 bool has_y_up_by_habit(std::string_view obj) {
@@ -71,30 +74,43 @@ bool has_y_up_by_habit(std::string_view obj) {
 }
 
 Shape stood_up(Shape shape) {
-    const auto stand = [](std::vector<Vec3>& points) {
-        for (Vec3& p : points) p = {p.x, -p.z, p.y};
+    const auto upright = [](Vec3 p) { return Vec3{p.x, -p.z, p.y}; };
+    const auto stand = [upright](std::vector<Vec3>& points) {
+        std::ranges::transform(points, points.begin(), upright);
     };
     for (Piece& piece : shape.pieces) {
         if (auto* const mesh = std::get_if<Mesh>(&piece)) stand(mesh->vertices);
         if (auto* const cloud = std::get_if<Cloud>(&piece)) stand(cloud->points);
+        if (auto* const curve = std::get_if<Curve>(&piece))
+            curve->at = [at = curve->at, upright](double s) { return upright(at(s)); };
     }
     return shape;
 }
 
+namespace {
+
+constexpr std::array<std::pair<std::string_view, ShapeFormat>, 6> endings{{{".csv", ShapeFormat::csv},
+                                                                           {".obj", ShapeFormat::obj},
+                                                                           {".off", ShapeFormat::off},
+                                                                           {".ply", ShapeFormat::ply},
+                                                                           {".stl", ShapeFormat::stl},
+                                                                           {".xyz", ShapeFormat::xyz}}};
+
+}  // namespace
+
+bool has_shape_ending(const std::string& file_name) {
+    return std::ranges::find(endings, ending_of(file_name), &std::pair<std::string_view, ShapeFormat>::first) !=
+           endings.end();
+}
+
 ShapeFormat shape_format(const std::string& file_name) {
-    constexpr std::array<std::pair<std::string_view, ShapeFormat>, 5> formats{{{".csv", ShapeFormat::csv},
-                                                                               {".obj", ShapeFormat::obj},
-                                                                               {".ply", ShapeFormat::ply},
-                                                                               {".stl", ShapeFormat::stl},
-                                                                               {".xyz", ShapeFormat::xyz}}};
     const std::string extension = ending_of(file_name);
-    for (const auto& [known, format] : formats)
+    for (const auto& [known, format] : endings)
         if (extension == known) return format;
-    throw bad_input(
-        file_name,
-        fmt::format("found the extension {}, expected .csv, .obj, .ply, .stl or .xyz; export the shape in one of these "
-                    "formats and name the file so",
-                    shown(extension)));
+    throw bad_input(file_name,
+                    fmt::format("found the extension {}, expected .csv, .obj, .off, .ply, .stl or .xyz; export "
+                                "the shape in one of these formats and name the file so",
+                                shown(extension)));
 }
 
 Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name, double metres_per_unit) {
@@ -105,13 +121,9 @@ Shape load_shape(std::string_view content, ShapeFormat format, const std::string
     if (const std::string begin = first_words(content); begin.starts_with("<!doctype") || begin.starts_with("<html"))
         throw bad_input(name,
                         "found a web page (HTML), expected a shape; download the file itself, not the page about it");
-    Piece piece = read_piece(content, format, name);
-    std::vector<Vec3>& points =
-        std::holds_alternative<Mesh>(piece) ? std::get<Mesh>(piece).vertices : std::get<Cloud>(piece).points;
-    for (Vec3& point : points) point = point * metres_per_unit;
-    Shape shape;
-    shape.pieces.push_back(std::move(piece));
-    return shape;
+    Polygons polygons = read(is_binary_stl(content) ? content : without_byte_order_mark(content), format, name);
+    for (Vec3& vertex : polygons.vertices) vertex = vertex * metres_per_unit;
+    return as_shape(std::move(polygons), name);
 }
 
 Shape load_shape(const std::filesystem::path& path, double metres_per_unit) {

@@ -8,7 +8,10 @@
 
 namespace haptogram {
 
-enum class ShapeFormat { csv, obj, ply, stl, xyz };
+enum class ShapeFormat { csv, obj, off, ply, stl, xyz };
+
+/// Whether a file's name ends as that of a shape does.
+[[nodiscard]] bool has_shape_ending(const std::string& file_name);
 
 /// The format that a file's name tells by its extension, in any case.
 /// @throws Error{bad_input} for any other extension, naming those that are known
@@ -25,8 +28,8 @@ enum class ShapeFormat { csv, obj, ply, stl, xyz };
 [[nodiscard]] Shape stood_up(Shape shape);
 
 /// Reads a shape from memory, for example one that a browser sent. Files with faces become one Mesh: several objects
-/// are joined and polygons are cut into triangles; Mesh::flaw tells of polygons that cross themselves. Files without
-/// faces become one Cloud. Numbers keep double precision.
+/// are joined and polygons are cut into triangles; Mesh::flaw tells of polygons that cross themselves. Files with lines
+/// and no faces become a Curve each; others one Cloud. Numbers keep double precision.
 /// @param content          the bytes of the file
 /// @param name             what messages call the shape
 /// @param metres_per_unit  what a 1 in the file means, for example 1e-3; positive and finite

@@ -15,7 +15,6 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/json_member.hpp"
 #include "haptogram/base/text.hpp"
-#include "haptogram/shape/adaptics.hpp"
 #include "haptogram/shape/draw.hpp"
 
 namespace haptogram {
@@ -164,10 +163,18 @@ Path path_from_csv(std::string_view text, const std::string& where, double carri
             return *value;
         };
         const auto& at = columns->numbers;
-        const double time_s = number(at[0]) * columns->seconds;
+        const auto time = parse_number(fields[at[0]]);
+        if (!time || !std::isfinite(*time)) throw bad_coordinate(line, fields[at[0]]);
+        const double time_s = *time * columns->seconds;
         const double amplitude = columns->intensity ? number(*columns->intensity) : 1.0;
         if (!(amplitude >= 0.0 && amplitude <= 1.0))
             throw bad_input(line, fmt::format("an intensity of {}; expected 0 to 1", amplitude));
+        constexpr double year_5000_s = 1e11;  // after 1970
+        if (std::abs(time_s) >= year_5000_s)
+            throw bad_input(line,
+                            fmt::format("found the time {}, expected {}; milliseconds or microseconds since 1970 "
+                                        "are so large: name the column time_ms, or convert it",
+                                        shown(fields[at[0]]), columns->seconds == 1.0 ? "seconds" : "milliseconds"));
         if (last_s) {
             const double periods = (time_s - *last_s) * carrier_hz;
             if (!(periods >= 1.0 - 1e-6))
@@ -203,21 +210,18 @@ bool is_path_csv(std::string_view text) {
         std::string_view rest = lines.line();
         if (const auto word = take_word(rest); word.empty() || word.starts_with('#')) continue;
         split_at(separator_of(lines.line()), lines.line(), fields);
-        return std::any_of(fields.begin(), fields.end(),
-                           [](std::string_view field) { return lower_case(field).starts_with("time"); });
+        return std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+            return lower_case(field) == "t" || lower_case(field).starts_with("time");
+        });
     }
     return false;
 }
 
-Path load_path(const std::filesystem::path& file, double carrier_hz, std::size_t samples, std::string* hash) {
-    const std::string ending = ending_of(file);
-    if (ending != ".json" && ending != ".csv" && ending != ".adaptics")
-        throw bad_input(file.string(), "the name of a path ends in .json, .csv or .adaptics; rename or convert it");
-    const std::string text = read_file(file);
-    if (hash != nullptr) *hash = sha256(text);
-    if (ending == ".json") return path_from_json(text, file.string(), carrier_hz);
-    if (ending == ".csv") return path_from_csv(text, file.string(), carrier_hz);
-    return path_from_adaptics(text, file.string(), carrier_hz, samples);
+Path path_of_file(std::string_view text, const std::string& name, double carrier_hz) {
+    const std::string ending = ending_of(name);
+    if (ending == ".json") return path_from_json(text, name, carrier_hz);
+    if (ending == ".csv") return path_from_csv(text, name, carrier_hz);
+    throw bad_input(name, "the name of a path ends in .json, .csv or .adaptics; rename or convert it");
 }
 
 }  // namespace haptogram

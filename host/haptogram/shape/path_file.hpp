@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <cstddef>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -29,15 +27,13 @@ namespace haptogram {
 [[nodiscard]] Path path_from_csv(std::string_view text, const std::string& where, double carrier_hz);
 
 /// Whether a file's text is that of a path, rather than of another kind of file with this ending: a JSON text that says
-/// so, and a CSV text whose first row names a time.
+/// so, and a CSV text whose first row names a time, or "t".
 [[nodiscard]] bool is_path_json(std::string_view text);
 [[nodiscard]] bool is_path_csv(std::string_view text);
 
-/// Reads a path file; its ending tells the format: .json, .csv or .adaptics.
-/// @param samples  of an AdapTics pattern (adaptics.hpp)
-/// @param hash     gets the SHA-256 of the content, unless it is null
+/// A path file's path; the name's ending tells the format: .json or .csv. Who reads AdapTics patterns, too, has
+/// adaptics.hpp.
 /// @throws Error{bad_input} also for another ending
-[[nodiscard]] Path load_path(const std::filesystem::path& file, double carrier_hz, std::size_t samples,
-                             std::string* hash = nullptr);
+[[nodiscard]] Path path_of_file(std::string_view text, const std::string& name, double carrier_hz);
 
 }  // namespace haptogram

@@ -35,6 +35,7 @@ using Piece = std::variant<Curve, Mesh, Cloud>;
 /// What a hand shall feel: all of its pieces together.
 struct Shape {
     std::vector<Piece> pieces;
+    std::vector<std::string> remarks{};  ///< on what a file's reader has left out, or what may be meant otherwise
 };
 
 }  // namespace haptogram

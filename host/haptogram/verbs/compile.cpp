@@ -14,7 +14,6 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/format/schedule.hpp"
-#include "haptogram/shape/adaptics.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/shape/place.hpp"
@@ -36,12 +35,31 @@ Shape load(const ShapeSource& source, const std::string& name, const std::string
     Shape shape = load_shape(content, format, name, metres_per_unit(source.unit));
     if (const auto* const mesh = std::get_if<Mesh>(&shape.pieces.front()); mesh != nullptr && !mesh->flaw.empty())
         warnings.push_back(fmt::format("{}: {}", name, mesh->flaw));
+    for (const std::string& remark : shape.remarks) warnings.push_back(fmt::format("{}: {}", name, remark));
     if (!source.up && format == ShapeFormat::obj && has_y_up_by_habit(content))
         warnings.push_back(
             fmt::format("{}: the program that wrote it mostly has y upwards, and z is taken to be; say "
                         "--up y if the shape lies on its back, or --up z",
                         name));
     return source.up == "y" ? stood_up(std::move(shape)) : shape;
+}
+
+/// Below this a shape is a speck, much smaller than a focus, and more likely in another unit.
+constexpr double speck_m = 5e-3;
+
+/// Says so of a file's shape, and in which units it would be no speck.
+void warn_of_speck(const Shape& shape, const std::string& name, std::vector<std::string>& warnings) {
+    const Box box = bounding_box(shape);
+    const Vec3 extent = box.high - box.low;
+    const double wide_m = std::max({extent.x, extent.y, extent.z});
+    if (wide_m == 0.0 || wide_m >= speck_m) return;
+    std::string units;
+    for (const std::string unit : {"cm", "inch", "m"})
+        if (const double in_m = wide_m / millimetre * metres_per_unit(unit); in_m >= speck_m && in_m <= 1.0)
+            units += (units.empty() ? "is it --unit " : " or --unit ") + unit;
+    warnings.push_back(fmt::format(
+        "{}: it is {:.3g} mm wide{}", name, wide_m / millimetre,
+        units.empty() ? ", much less than a focus; say how large it shall be with --size" : ": " + units + "?"));
 }
 
 /// The union of a project's shapes.
@@ -60,6 +78,9 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
             const std::string content = source.content ? *source.content : read_file(name);
             hashes += sha256(content);
             part = load(source, name, content, warnings);
+            const bool scaled = source.placement.size_m || source.placement.scale != 1.0 || project.placement.size_m ||
+                                project.placement.scale != 1.0;
+            if (source.unit == "mm" && !scaled) warn_of_speck(part, name, warnings);
         }
         if (source.placement != Placement{}) part = placed_at(part, source.placement);
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
@@ -264,7 +285,8 @@ Drawing drawing_of(const Project& project, const Shape& shape, const Array& arra
 
 /// The path that a project names.
 /// @throws Error{bad_input} also when the array cannot reach a focus
-Path path_in_file(const Project& project, const Array& array, double carrier_hz, std::string& hash) {
+Path path_in_file(const Project& project, const Array& array, double carrier_hz, std::string& hash,
+                  std::vector<std::string>& warnings) {
     if (!project.shapes.empty())
         throw bad_argument("path", "a path file has its own places; give either shapes or a path");
     if (project.placement != Placement{} || project.clip || project.fade || project.pace.speed_m_s ||
@@ -272,7 +294,19 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
         throw bad_argument("path",
                            "a path file has its own places and times; scale, size, rotate, center, clip, fade, "
                            "speed and frequency are for shapes");
-    Path path = load_path(project.folder / project.path, carrier_hz, project.points, &hash);
+    const std::string name = (project.folder / project.path).string();
+    const std::string text = read_file(name);
+    hash = sha256(text);
+    Path path;
+    if (ending_of(name) == ".adaptics") {
+        if (!project.makers.of_pattern)
+            throw bad_argument("path", "nothing here reads AdapTics patterns; give verbs/pattern.hpp as a maker");
+        RenderedPath rendered = project.makers.of_pattern(project, text, name, carrier_hz);
+        path = std::move(rendered.path);
+        warnings = std::move(rendered.warnings);
+    } else {
+        path = path_of_file(text, name, carrier_hz);
+    }
     require_reachable(path, array);
     return path;
 }
@@ -361,18 +395,6 @@ std::optional<PathMagnitude> feel(Path& path, const Project& project, const Arra
     if (!project.makers.of_magnitude)
         throw bad_argument("magnitude", "this build knows no magnitudes; build with the extra feel");
     return project.makers.of_magnitude(path, project, array);
-}
-
-/// A pattern that is looked at too seldom loses the shape of its brush.
-void warn_of_few_samples(Compiled& compiled, const Project& project) {
-    if (!project.path.ends_with(".adaptics")) return;
-    const double length_s = static_cast<double>(compiled.path.periods()) * compiled.bundle.manifest.timer.period_s();
-    const double samples_hz = static_cast<double>(project.points) / length_s;
-    if (samples_hz < 2.0 * adaptics_brush_hz)
-        compiled.warnings.push_back(fmt::format(
-            "the pattern is looked at {:.4g} times a second, and its brush is drawn {:.4g} times; the brush is lost, "
-            "take more points",
-            samples_hz, adaptics_brush_hz));
 }
 
 /// A modulation that keeps step with the path may be off whenever a focus has its turn, and a weak pulse may round to
@@ -540,6 +562,17 @@ Compiled focused(const Job& job, Path path, FociFrom from = FociFrom::memory) {
 /// The same with the amplitudes that the project asks for.
 Compiled focused_as_asked(Job& job, Path path, FociFrom from = FociFrom::memory) {
     const std::vector<double> am_hz = modulate(path, job.project, job.carrier_hz, job.most_samples(), job.hashes);
+    if (const Modulation& sound = path.modulation;
+        job.kind == ImageKind::foci && !job.project.am.empty() && sound.samples.size() > job.most_samples()) {
+        const double sample_s = sound.periods_a_sample / job.carrier_hz;
+        throw bad_input(
+            job.instrument.core.name,
+            fmt::format("the modulation lasts {:.4g} s, {} samples, and the board holds {:.4g} s of it; cut "
+                        "it to that, or compile records",
+                        static_cast<double>(sound.samples.size()) * sample_s, sound.samples.size(),
+                        static_cast<double>(job.most_samples()) * sample_s),
+            {"am", "records", "board"});
+    }
     const auto magnitude = feel(path, job.project, job.instrument.array);
     Compiled compiled = focused(job, std::move(path), from);
     compiled.am_hz = am_hz;
@@ -548,10 +581,8 @@ Compiled focused_as_asked(Job& job, Path path, FociFrom from = FociFrom::memory)
 }
 
 Compiled compile_path_file(Job& job, FociFrom from) {
-    Path path = path_in_file(job.project, job.instrument.array, job.carrier_hz, job.hashes);
-    Compiled compiled = focused_as_asked(job, std::move(path), from);
-    warn_of_few_samples(compiled, job.project);
-    return compiled;
+    Path path = path_in_file(job.project, job.instrument.array, job.carrier_hz, job.hashes, job.warnings);
+    return focused_as_asked(job, std::move(path), from);
 }
 
 Compiled compile_hand(Job& job) {
@@ -683,7 +714,8 @@ double metres_per_unit(const std::string& unit) {
     if (unit == "mm") return millimetre;
     if (unit == "cm") return 0.01;
     if (unit == "m") return 1.0;
-    throw bad_argument("unit", fmt::format("must be mm, cm or m, found '{}'", unit));
+    if (unit == "inch") return 0.0254;
+    throw bad_argument("unit", fmt::format("must be mm, cm, m or inch, found '{}'", unit));
 }
 
 ProjectInstrument instrument_of(const Project& project) {

@@ -52,7 +52,7 @@ struct Compiled {
 /// @throws Error{bad_argument} when both say how strong foci are
 void require_one_strength(const std::optional<double>& magnitude, double amplitude);
 
-/// What a 1 in a file of shapes means. @param unit  "mm", "cm" or "m"
+/// What a 1 in a file of shapes means. @param unit  "mm", "cm", "m" or "inch"
 /// @throws Error{bad_argument} naming "unit" for any other
 [[nodiscard]] double metres_per_unit(const std::string& unit);
 

@@ -11,6 +11,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/shape/adaptics.hpp"
+#include "haptogram/shape/adaptics_frames.hpp"
 #include "haptogram/verbs/project.hpp"
 
 namespace haptogram {

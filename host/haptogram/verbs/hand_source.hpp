@@ -30,7 +30,7 @@ struct ObjectSource {
     std::optional<double> height_m;  ///< of a cone, a pyramid and a cylinder; by default the size
     Vec3 centre{0.0, 0.0, 0.2};      ///< of its bounding box
     Vec3 angles_deg;
-    std::string unit = "mm";  ///< of a mesh file's coordinates: mm, cm or m
+    std::string unit = "mm";  ///< of a mesh file's coordinates: mm, cm, m or inch
 };
 /// Whether it is one of object_kinds().
 [[nodiscard]] bool is_built_in(const ObjectSource& source);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptogram/array/array.hpp"
@@ -33,6 +34,10 @@ struct RenderedPath {
 struct PathMakers {
     /// The path of a project with a hand (hand/project.hpp has one).
     std::function<RenderedPath(const Project& project, const ProjectInstrument& instrument)> of_hand{};
+    /// The path of a project with an AdapTics pattern, whose text is given (verbs/pattern.hpp has one).
+    std::function<RenderedPath(const Project& project, std::string_view text, const std::string& where,
+                               double carrier_hz)>
+        of_pattern{};
     /// Multiplies the amplitudes of a path so that every focus feels as strong as the project's magnitude says
     /// (perception/magnitude.hpp has one).
     std::function<PathMagnitude(Path& path, const Project& project, const Array& array)> of_magnitude{};

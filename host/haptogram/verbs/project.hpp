@@ -23,7 +23,7 @@ namespace haptogram {
 struct ShapeSource {
     std::string file;                    ///< path; with `content`, a name for messages whose ending tells the format
     std::optional<std::string> content;  ///< takes the place of reading the file
-    std::string unit = "mm";             ///< of the file's coordinates: mm, cm or m
+    std::string unit = "mm";             ///< of the file's coordinates: mm, cm, m or inch
     std::optional<std::string> up{};     ///< which of the file's axes points upwards, y or z; z when it is not said
     PrimitiveSpec primitive;             ///< when `file` is empty; metres
     Placement placement{};               ///< of this shape alone, before that of the whole
@@ -37,6 +37,7 @@ enum class ImageKind { records, foci };
 struct Project {
     std::vector<ShapeSource> shapes;  ///< drawn together, except shapes that a key frame names
     std::string path;                 ///< a path file instead, which has its own places and times
+    std::string set;                  ///< parameters of an AdapTics pattern, as parameters_of() reads them
     std::optional<HandSource> hand;   ///< or a hand that feels an object
     Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm), unless it or one
                                       ///< of them has a centre

@@ -11,6 +11,7 @@
 #include "haptogram/array/millimetres.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/draw.hpp"
+#include "haptogram/shape/parameters.hpp"
 #include "haptogram/solve/segments.hpp"
 
 namespace haptogram {
@@ -22,9 +23,8 @@ bool of_shapes(const Project& p) { return p.is_of_shapes(); }
 bool is_paced(const Project& p) { return p.pace.speed_m_s || p.pace.frequency_hz; }
 bool can_be_paced(const Project& p) { return p.path.empty(); }
 bool is_drawn(const Project& p) { return p.hand || (p.is_of_shapes() && is_paced(p)); }
-bool is_sampled(const Project& p) {
-    return p.hand ? p.hand->frame.has_value() : p.is_of_shapes() || p.path.ends_with(".adaptics");
-}
+bool is_pattern(const Project& p) { return p.path.ends_with(".adaptics"); }
+bool is_sampled(const Project& p) { return p.hand ? p.hand->frame.has_value() : p.is_of_shapes() || is_pattern(p); }
 /// Of a hand, lines at random are those of two algorithms.
 bool has_chance(const Project& p) {
     return p.hand ? p.hand->algorithm == "E" || p.hand->algorithm == "F" : of_shapes(p);
@@ -135,6 +135,7 @@ constexpr Scope<Project> for_paced = {can_be_paced, "shapes and hands"};
 constexpr Scope<Project> for_drawn = {is_drawn, "shapes that are drawn, by a speed or a frequency, and of hands"};
 constexpr Scope<Project> for_sampled = {
     is_sampled, "shapes, of an AdapTics pattern, and of one frame of a hand: add a frame to [hand]"};
+constexpr Scope<Project> for_patterns = {is_pattern, "an AdapTics pattern"};
 constexpr Scope<Project> for_random = {has_chance, "shapes, and of a hand's algorithms E and F"};
 
 constexpr Scope<ShapeSource> for_files = {[](const ShapeSource& s) { return !s.file.empty(); }, "shape files"};
@@ -183,6 +184,12 @@ constexpr Setting of_projects[] = {
     of<&Project::path>("path", "--path", File{},
                        "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm "
                        "and intensity, or an .adaptics pattern, sampled --points times"),
+    with(of<&Project::set>("set", "--set",
+                           Form{[](std::string_view text) { return parameters_of(text).has_value(); }, parameters_form,
+                                parameters_pattern},
+                           "Parameters of an AdapTics pattern, in place of their defaults: NAME=VALUE, several with "
+                           "commas between them"),
+         for_patterns),
     with(of<&Project::points>("points", "--points", WholeNumbers{1, 65535},
                               "Focal points to take from a surface, a curve or a larger cloud; samples of an AdapTics "
                               "pattern; steps of the pass of a hand's frame"),
@@ -239,7 +246,7 @@ constexpr Setting of_projects[] = {
     table("trigger"),
 };
 
-constexpr std::string_view units[] = {"mm", "cm", "m"};
+constexpr std::string_view units[] = {"mm", "cm", "m", "inch"};
 constexpr std::string_view axes[] = {"y", "z"};
 constexpr std::string_view eases[] = {"linear", "smooth", "step"};
 constexpr std::string_view algorithms[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I", "J", "K", "L"};
@@ -330,7 +337,7 @@ Settings<ShapeSource> shape_settings() {
     using Source = ShapeSource;
     using Measures = PrimitiveSpec;
     static const SettingOf<Source> of_shapes[] = {
-        of<&Source::file>("file", {}, File{}, "A PLY, OBJ, STL, XYZ or CSV file"),
+        of<&Source::file>("file", {}, File{}, "A PLY, OBJ, STL, OFF, XYZ or CSV file"),
         with(of<&Source::unit>("unit", "--unit", Choices(units), "Unit of the coordinates in the files"), for_files),
         with(of<&Source::up>("up", "--up", Choices(axes),
                              "Axis of the files that points upwards; z when it is not given"),
@@ -365,6 +372,7 @@ std::string why_idle(std::string_view name, const Project& project) {
     const bool of_place = name.starts_with("--") && find(name, place_settings()) != nullptr;
     const Setting* one = find(of_place ? "place" : name, project_settings());
     if (one == nullptr || one->has_effect(project)) return {};
+    if (one->applies == is_pattern) return fmt::format("is of {}, and this is none", one->subject);
     return fmt::format("is of {}; {}", one->subject, because(project));
 }
 

@@ -15,6 +15,7 @@
 #include "haptogram/base/text.hpp"
 #include "haptogram/format/pulses.hpp"
 #include "haptogram/format/rig_bundle.hpp"
+#include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/compile.hpp"
@@ -24,10 +25,6 @@ namespace haptogram {
 namespace {
 
 enum class FileKind { image, rig, project, path, shape, manifest };
-
-bool is_shape_ending(const std::string& ending) {
-    return ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".xyz";
-}
 
 FileKind kind_of_csv(const std::string& file) {
     const std::string text = read_file(file);
@@ -52,7 +49,7 @@ FileKind kind_of(const std::string& file) {
     if (ending == ".json") return kind_of_json(file);
     if (ending == ".csv") return kind_of_csv(file);
     if (ending == ".adaptics") return FileKind::path;
-    return is_shape_ending(ending) ? FileKind::shape : FileKind::image;
+    return has_shape_ending(file) ? FileKind::shape : FileKind::image;
 }
 
 /// What has an array and a board of its own must be for those that a user names.
@@ -152,9 +149,11 @@ Timeline open_focus(const Source& source) {
 
 bool is_source_file(const std::string& file) {
     const std::string ending = ending_of(file);
-    return is_project(file) || is_shape_ending(ending) || ending == ".hex" || ending == ".json" ||
-           ending == ".adaptics" || (ending == ".csv" && kind_of_csv(file) == FileKind::path);
+    if (ending == ".csv") return kind_of_csv(file) == FileKind::path;
+    return is_project(file) || has_shape_ending(file) || ending == ".hex" || ending == ".json" || ending == ".adaptics";
 }
+
+bool is_path_file(const std::string& file) { return kind_of(file) == FileKind::path; }
 
 bool is_rig_file(const std::string& file) { return file.ends_with(".json") && is_rig_manifest(read_file(file)); }
 

@@ -36,6 +36,8 @@ struct Source {
 
 /// Whether a file, by its name's ending, is one that open_timeline() takes, and not rows of foci.
 [[nodiscard]] bool is_source_file(const std::string& file);
+/// Whether a file is a path, by its name's ending and, where that is not enough, by its content.
+[[nodiscard]] bool is_path_file(const std::string& file);
 /// Whether a file is the manifest of a rig's images.
 [[nodiscard]] bool is_rig_file(const std::string& file);
 

@@ -8,6 +8,7 @@
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/level.hpp"
+#include "haptogram/verbs/pattern.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "native.hpp"
 #ifdef HAPTOGRAM_HAS_HAND
@@ -24,7 +25,7 @@ PathMakers makers() {
 #ifdef HAPTOGRAM_HAS_HAND
     return path_makers();
 #else
-    return {};
+    return {.of_pattern = path_of_pattern};
 #endif
 }
 

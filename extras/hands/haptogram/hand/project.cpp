@@ -7,6 +7,7 @@
 #include "haptogram/format/schedule.hpp"
 #include "haptogram/hand/recording.hpp"
 #include "haptogram/perception/magnitude.hpp"
+#include "haptogram/verbs/pattern.hpp"
 
 namespace haptogram {
 namespace {
@@ -43,6 +44,7 @@ PathMakers path_makers() {
     return {[](const Project& project, const ProjectInstrument& instrument) -> RenderedPath {
                 return render(project, instrument);
             },
+            path_of_pattern,
             [](Path& path, const Project& project, const Array& array) {
                 return perception::give_magnitude(path, project, array);
             }};

@@ -11,11 +11,13 @@
 #include "haptogram/acoustics/skin_force.hpp"
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/ring.hpp"
 #include "haptogram/scattering/scatterer.hpp"
 #include "haptogram/scattering/shells.hpp"
 #include "haptogram/scattering/skin.hpp"
+#include "haptogram/shape/adaptics.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/solve/solver.hpp"
@@ -109,7 +111,12 @@ Path path_of(const ScatterSource& source, const Array& array) {
         wave.steps = {{{}, 1}};
         return wave;
     }
-    if (!source.path.empty()) return load_path(source.path, array.carrier_hz, adaptics_samples);
+    if (!source.path.empty()) {
+        const std::string text = read_file(source.path);
+        return source.path.ends_with(".adaptics")
+                   ? path_from_adaptics(text, source.path, array.carrier_hz, adaptics_samples)
+                   : path_of_file(text, source.path, array.carrier_hz);
+    }
     Path path;
     for (const Vec3& focus : source.foci) path.steps.push_back({{{focus, 1.0}}, 1});
     return path;
