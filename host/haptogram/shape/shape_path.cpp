@@ -18,14 +18,14 @@ std::vector<std::size_t> reachable_points(const std::vector<Vec3>& points, const
         if (const std::string reason = array.unreachable(points[i]); reason.empty())
             reachable.push_back(i);
         else if (example.empty())
-            example = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm is {}", p.x, p.y, p.z, reason);
+            example = fmt::format("({:.4g}, {:.4g}, {:.4g}) mm is {}", p.x, p.y, p.z, reason);
     }
     if (example.empty() || (clip && !reachable.empty())) return reachable;
     const Box box = bounding_box({.pieces = {Cloud{points}}});
     const Vec3 low = (1 / millimetre) * box.low, high = (1 / millimetre) * box.high;
     throw bad_input(array.file,
-                    fmt::format("{} of {} points are out of reach: {}. They lie at x {:.1f}…{:.1f}, y {:.1f}…{:.1f}, "
-                                "z {:.1f}…{:.1f} mm; built-in shapes stand at 0,0,130. Move or scale the shape{}",
+                    fmt::format("{} of {} points are out of reach: {}. They lie at x {:.4g}…{:.4g}, y {:.4g}…{:.4g}, "
+                                "z {:.4g}…{:.4g} mm; built-in shapes stand at 0,0,130. Move or scale the shape{}",
                                 points.size() - reachable.size(), points.size(), example, low.x, high.x, low.y, high.y,
                                 low.z, high.z, reachable.empty() ? "" : ", or leave points out"),
                     reachable.empty() ? std::vector<std::string>{"center", "size"}
