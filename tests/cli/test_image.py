@@ -201,7 +201,7 @@ UNREADABLE = {
     "overlap by one byte": lambda c: with_line(c, 2, record(0, 0x0F, b"\1" * 16).strip()),
     "a line left out": lambda c: with_line(c, 6, ""),
     "unknown record type": lambda c: record(9, 0).encode() + c,
-    "a start address": lambda c: record(5, 0, b"\0\0\0\0").encode() + c,
+    "a start address": lambda c: record(5, 0, b"\0\0\1\0").encode() + c,
     "an address of one byte": lambda c: record(4, 0, b"\0").encode() + c,
     "data where no region is": lambda c: record(4, 0, b"\x55\x55").encode() + record(0, 0, b"\1\2").encode() + record(4, 0, b"\0\0").encode() + c,
     "over the end of the address space": lambda c: record(4, 0, b"\xff\xff").encode() + record(0, 0xFFFF, b"\1\2").encode() + c,
