@@ -247,7 +247,7 @@ def cells(utilisation, family):
 
 def build(name, options):
     board, start = load(name), time.monotonic()
-    folder = options.output.resolve() / name
+    folder = options.output.resolve() / ("empty" if options.empty else "") / name  # apart: no image can be put into it
     alone = options.configuration is not None
     if alone:
         board["fpga"]["top"] = "haptogram_core"
@@ -274,6 +274,8 @@ def build(name, options):
     if options.empty and not alone:
         pack = [tool("icepack"), "placed.asc"] if family == "ice40" else [tool("ecppack"), "--compress", "placed.config"]
         run(folder, "pack.log", *pack, bits)
+        (options.output / name).mkdir(exist_ok=True)
+        shutil.copy(folder / bits, options.output / name)
     used, available, rams, ram_available = cells(best["utilization"], family)
     channels = board["parameters"]["CHANNELS"]
     network = [outcome[2]["network_mhz"] for outcome in outcomes if "network" in board]

@@ -6,6 +6,7 @@ Exit code 0, 1 when a program fails, 2 on wrong usage.
 """
 import argparse
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -52,6 +53,10 @@ def main():
     print(f"{board['description']}: {board['flash']['note']}", file=sys.stderr)
     if jumpers := board["flash"].get("write_jumpers" if options.write else "load_jumpers"):
         print(f"jumpers: {jumpers}", file=sys.stderr)
+    missing = [command[0] for command in commands if not shutil.which(command[0])]
+    if missing and not options.dry_run:
+        print(f"flash: {missing[0]} is not there; {'make build makes it' if missing[0] == options.program else 'tools/setup board installs it'}", file=sys.stderr)
+        return 1
     for command in commands:
         print(shlex.join(map(str, command)), flush=True)
         if not options.dry_run and subprocess.run(list(map(str, command))).returncode != 0:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shape files that cannot be used: one message that names the place, exit code 3, nothing written."""
+import os
 import struct
 
 import pytest
@@ -192,6 +193,13 @@ def test_a_name_that_is_empty(tmp_path):
 def test_a_directory_as_input(tmp_path):
     (tmp_path / "folder.ply").mkdir()
     refuse(tmp_path, ["compile", "folder.ply"], BAD_INPUT)
+
+
+@pytest.mark.deep
+def test_a_named_pipe_into_which_nobody_writes(tmp_path):
+    """It takes a minute, of which nothing is computed."""
+    os.mkfifo(tmp_path / "shape.xyz")
+    refuse(tmp_path, ["compile", "shape.xyz", "-o", "image.hex"], BAD_INPUT)
 
 
 def test_an_unknown_extension(tmp_path):

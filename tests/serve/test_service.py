@@ -413,16 +413,22 @@ def test_random_datagrams_and_messages_do_no_harm(service):
     assert service.client().ok("status")["connected"]
 
 
+def playing(service):
+    """A client, whose image plays for ever."""
+    client = service.client()
+    client.ok("compile", project=PROJECT)
+    client.ok("play", loops=0)
+    client.until(enabled=True)
+    return client
+
+
 def test_a_strangers_datagrams_and_a_stderr_that_nobody_reads_hold_nothing_up():
     reading, writing = os.pipe()
     if hasattr(fcntl, "F_SETPIPE_SZ"):
         fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, 4096)
     service = Service(stderr=writing)
     os.close(writing)
-    client = service.client()
-    client.ok("compile", project=PROJECT)
-    client.ok("play", loops=0)
-    client.until(enabled=True)
+    client = playing(service)
     name = b"/\x1b]0;title\x07\x9b" + b"A" * 60000  # more than the pipe holds
     for _ in range(30):
         service.datagram(name + b"\0" * (4 - len(name) % 4) + b",\0\0\0")
@@ -487,10 +493,7 @@ def test_a_bundle_for_later_is_done_at_once_and_told_of_once():
     reading, writing = os.pipe()
     service = Service(stderr=writing)
     os.close(writing)
-    client = service.client()
-    client.ok("compile", project=PROJECT)
-    client.ok("play", loops=0)
-    client.until(enabled=True)
+    client = playing(service)
     alive = b"/haptogram/alive\0\0\0\0,\0\0\0"
     stop = b"/haptogram/stop\0,\0\0\0"
 

@@ -364,7 +364,7 @@ TEST_CASE("a first column that counts is told of", "[shape][forms][rows]") {
 TEST_CASE("rows as spreadsheets and other programs write them", "[shape][forms][rows]") {
     const std::vector<Vec3> points{{1.5, -2.0, 3.0}, {4.0, 5.0, 6.25}};
     for (const char* const csv :
-         {"sep=;\nx;y;z\n1.5;-2;3\n4;5;6.25\n", "1,5;-2;3\n4;5;6,25\n", "x_mm,y_mm,z_mm\n1.5,-2,3\n4,5,6.25\n",
+         {"sep=;\nx;y;z\n1.5;-2;3\n4;5;6.25\n", "1,5;-2;3\n4;5;6,25\n",
           "\"Points:2\",\"Points:0\",\"Points:1\"\n3,1.5,-2\n6.25,4,5\n", "//X,Y,Z\n1.5,-2,3\n4,5,6.25\n",
           "2\n1.5,-2,3\n4,5,6.25\n", "x y z\n1.5 -2 3\n4 5 6.25\n",
           "\xEF\xBB\xBF"
@@ -378,6 +378,10 @@ TEST_CASE("rows as spreadsheets and other programs write them", "[shape][forms][
         CAPTURE(xyz);
         CHECK(cloud_of(xyz, ShapeFormat::xyz) == points);
     }
+    const std::string in_mm = "x_mm,y_mm,z_mm\n1.5,-2,3\n4,5,6.25\n";
+    const Shape named = load_shape(in_mm, ShapeFormat::csv, "named", millimetre);
+    CHECK(std::get<Cloud>(named.pieces.front()).points.front() == millimetre * points.front());
+    refusal(in_mm, ShapeFormat::csv);  // as metres
     refusal("3\n1 2 3\n4 5 6\n", ShapeFormat::xyz);
     refusal("1,5 2,5 3,5\n", ShapeFormat::xyz);
     refusal("1.234,5;2;3\n", ShapeFormat::csv);

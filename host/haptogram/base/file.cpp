@@ -111,7 +111,10 @@ std::string read_file(const std::filesystem::path& path) {
     std::error_code no_file;
     if (const std::uintmax_t size = fs::file_size(path, no_file); !no_file) content.reserve(size);
     if (no_file && path != "-" && !system::wait_to_read(file.number, most_silence))
-        throw bad_input(path.string(), fmt::format("nobody wrote into it for {} s", most_silence.count()));
+        throw bad_input(
+            path.string(),
+            fmt::format("nobody wrote into it for {} s; give a file, or first start the program that writes",
+                        most_silence.count()));
     std::array<char, 1 << 16> buffer{};
     for (;;) {
         const std::ptrdiff_t count = system::read(file.number, buffer.data(), buffer.size());

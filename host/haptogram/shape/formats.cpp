@@ -478,6 +478,7 @@ private:
                                             fields_.empty() ? "\"\"" : shown(whole()),
                                             found == fields_.end() ? "no" : "more than one", name));
             columns_.at(axis) = static_cast<std::size_t>(found - fields_.begin());
+            cloud_.in_mm = cloud_.in_mm || lower_case(*found).ends_with("_mm");
         }
         width_ = fields_.size();
         counts_ = false;

@@ -13,6 +13,7 @@ namespace haptogram {
 /// What a shape file holds, in the file's unit: vertices, and faces of three or more corners.
 struct Polygons {
     std::vector<Vec3> vertices;
+    bool in_mm = false;                              ///< the names of its columns say so
     std::size_t unseen = 0;                          ///< points of NaN, which are no vertices
     std::vector<std::string> remarks;                ///< sentences on what was stepped over or may be meant otherwise
     std::vector<std::uint32_t> corners;              ///< indices into `vertices`, one face after another

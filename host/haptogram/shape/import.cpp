@@ -122,6 +122,9 @@ Shape load_shape(std::string_view content, ShapeFormat format, const std::string
         throw bad_input(name,
                         "found a web page (HTML), expected a shape; download the file itself, not the page about it");
     Polygons polygons = read(is_binary_stl(content) ? content : without_byte_order_mark(content), format, name);
+    if (polygons.in_mm && metres_per_unit != millimetre)
+        throw bad_input(name, "found columns named in mm, expected that unit for all of it; leave the unit out",
+                        {"unit"});
     for (Vec3& vertex : polygons.vertices) vertex = vertex * metres_per_unit;
     return as_shape(std::move(polygons), name);
 }
