@@ -93,14 +93,14 @@ def test_what_cannot_be_done(pair, args, code):
     assert_one_message(run(args, cwd=pair), code)
 
 
-ENABLE = 0x04  # rtl/INTERFACE.md
+STATUS, ENABLE, DISABLE = 0x0B, 0x04, 0x05  # rtl/INTERFACE.md
 PATIENT = ["--watchdog", "60000"]  # which lets a busy machine pause
 SILENT_SOON = ["--watchdog", "3000"]  # a tile that answers nothing for a part of this is silent
 PATIENCE_S = 500  # two Verilated boards take long
 
 
 def commands_in(data):
-    """The commands of whole frames: a frame is COBS, its first byte a number, its second the command."""
+    """The numbers and commands of whole frames: a frame is COBS, its first byte a number, its second the command."""
     for frame in data.split(b"\0")[:-1]:
         plain, at = bytearray(), 0
         while at < len(frame):
@@ -110,7 +110,7 @@ def commands_in(data):
             if code < 255 and at < len(frame):
                 plain.append(0)
         if len(plain) > 1:
-            yield plain[1]
+            yield plain[0], plain[1]
 
 
 class Cable:
@@ -122,7 +122,7 @@ class Cable:
         tty.setraw(self.end)
         self.name = os.ttyname(self.end)
         self.cut, self.playing, self.over = threading.Event(), threading.Event(), threading.Event()
-        self.since_enable = None
+        self.asked = None
         self.thread = threading.Thread(target=self.carry, daemon=True)
         self.thread.start()
 
@@ -140,19 +140,21 @@ class Cable:
                     sent = sent[sent.rfind(b"\0") + 1 :]
 
     def look(self, commands):
-        """Plays once ENABLE was answered, which is so when other commands came after it."""
-        for command in commands:
+        """Plays once it was asked for a second status since ENABLE: after the first the tiles may still be told to begin again."""
+        for number, command in commands:
             if command == ENABLE:
-                self.since_enable = 0
-            elif self.since_enable is not None:
-                self.since_enable += 1
-                if self.since_enable == 5:
+                self.asked = set()
+            elif command == DISABLE:
+                self.asked = None
+            elif command == STATUS and self.asked is not None:
+                self.asked.add(number)
+                if len(self.asked) == 2:
                     self.playing.set()
 
     def mend(self):
         self.cut.clear()
         self.playing.clear()
-        self.since_enable = None
+        self.asked = None
 
     def close(self):
         self.over.set()
