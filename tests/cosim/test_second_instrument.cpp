@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "../refusal.hpp"
+#include "../soak.hpp"
 #include "haptogram/link/focus_ring.hpp"
 #include "haptogram/link/live_feed.hpp"
 #include "wide_bench.hpp"
@@ -734,7 +735,7 @@ TEST_CASE("second instrument: SELECT reaches the pins within a cycle, a load and
 
 TEST_CASE("second instrument: after any commands at any time a record plays exactly", "[second][wide]") {
     auto g = generator();
-    for (int round = 0; round < 6; ++round) {
+    for (std::size_t round = 0; round < soaked(6, 2); ++round) {
         Wide bench;
         bench.open();
         constexpr std::uint16_t base = 600;

@@ -22,6 +22,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 TOOLS = ("yosys", "yosys-smtbmc", "z3")
+COVER = -1
 
 
 class Wrong(Exception):
@@ -85,16 +86,16 @@ class Proof:
     """One row of the table: its steps, and what they found."""
 
     def __init__(self, row, build, steps):
-        """steps: 0 is the proof, n its planted bug n."""
+        """steps: 0 is the proof, COVER that its assertions are looked at, n its planted bug n."""
         self.row, self.folder = row, build / row["name"]
         self.steps, self.left = steps, len(steps)
-        self.seconds, self.problems, self.notes = 0.0, [], {}
+        self.seconds, self.problems, self.covers = 0.0, [], 0
         self.lock = threading.Lock()
 
     def run(self, step):
         start = time.monotonic()
         try:
-            self.prove() if step == 0 else self.catch(step)
+            self.prove() if step == 0 else self.cover() if step == COVER else self.catch(step)
         except Wrong as error:
             self.problem(str(error))
         with self.lock:
@@ -120,15 +121,19 @@ class Proof:
         row, smt2 = self.row, model(self.row, self.folder)
         for bug in row.get("bugs", []):
             with_bug(row, bug)  # raises when a planted bug no longer fits
-        if not solve(smt2, "bounded", row["depth"] + 1, step=row.get("step", 1)):
-            self.problem(f"an assertion fails within {row['depth']} clocks, see {self.folder}/bounded.log and bounded.vcd")
+        # With an induction over k clocks, the first k clocks are all of its base; covers and planted bugs may need more.
+        base = row.get("induction", row["depth"])
+        if not solve(smt2, "bounded", base + 1, step=row.get("step", 1)):
+            self.problem(f"an assertion fails within {base} clocks, see {self.folder}/bounded.log and bounded.vcd")
         if "induction" in row and not solve(smt2, "induction", row["induction"], "-i"):
             self.problem(f"induction over {row['induction']} clocks fails, see {self.folder}/induction.log and induction.vcd")
-        if not solve(smt2, "cover", row.get("reach", row["depth"]) + 1, "-c"):
-            self.problem(f"a cover point is never reached, see {self.folder}/cover.log")
-        reached = set(re.findall(r"Reached cover statement at (\S+)", (self.folder / "cover.log").read_text()))
-        self.notes["covers"] = len(reached)
-        if not reached:
+
+    def cover(self):
+        row, folder = self.row, self.folder / "cover"
+        if not solve(model(row, folder), "cover", row.get("reach", row["depth"]) + 1, "-c"):
+            self.problem(f"a cover point is never reached, see {folder}/cover.log")
+        self.covers = len(set(re.findall(r"Reached cover statement at (\S+)", (folder / "cover.log").read_text())))
+        if not self.covers:
             self.problem("no cover point at all: nothing shows that the assertions are ever looked at")
 
     def catch(self, step):
@@ -143,8 +148,10 @@ class Proof:
     def line(self):
         row, said = self.row, []
         if 0 in self.steps:
-            how = f"induction {row['induction']}" if "induction" in row else "bounded only"
-            said.append(f"bounded {row['depth']}, {how}, covers {self.notes.get('covers', 0)}")
+            how = f"induction {row['induction']}" if "induction" in row else f"bounded {row['depth']} only"
+            said.append(how)
+        if COVER in self.steps:
+            said.append(f"covers {self.covers}")
         if bugs := sum(step > 0 for step in self.steps):
             said.append(f"planted bugs {bugs}")
         return f"{row['name']:<18} {'FAILED' if self.problems else 'holds':<7} {self.seconds:6.1f} s   contract {row['contract']}, {', '.join(said)}"
@@ -154,7 +161,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", metavar="NAME", action="append", help="this proof (may be repeated)")
     parser.add_argument("--part", choices=("all", "quick", "rest"), default="all",
-                        help="quick: without the proofs that proofs.toml calls long; rest: the others, and the planted bugs of all (all)")  # fmt: skip
+                        help="quick: the proofs, without those that proofs.toml calls long; rest: those, and the covers and planted bugs of all (all)")  # fmt: skip
     parser.add_argument("--changed", action="store_true", help="without what held in this working folder before, with the same sources, table and tools")
     parser.add_argument("--jobs", metavar="N", type=int, default=2, help="solvers at a time (2)")
     parser.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build" / "formal", help="working folder")
@@ -170,9 +177,9 @@ def main():
 
     proofs = []
     for row in rows:
-        proof, bugs = [0], [*range(1, 1 + len(row.get("bugs", [])))]
-        quick = [] if row.get("long") else proof
-        steps = {"all": proof + bugs, "quick": quick, "rest": [s for s in proof + bugs if s not in quick]}[options.part]
+        every = [0, COVER, *range(1, 1 + len(row.get("bugs", [])))]
+        quick = [] if row.get("long") else [0]
+        steps = {"all": every, "quick": quick, "rest": [step for step in every if step not in quick]}[options.part]
         if steps and (not options.only or row["name"] in options.only):
             proofs.append(Proof(row, options.build.resolve(), steps))
     start = time.monotonic()

@@ -4,7 +4,7 @@
     net_frames.py PROGRAM
 
 PROGRAM is net_receiver. For each frame the model says whether it is accepted, refused, damaged or nothing, what of it comes out, and what is
-answered, as rtl/INTERFACE.md has it. HAPTOGRAM_NET_FRAMES is how many, 100,000 unless set; HAPTOGRAM_SEED of what. Exit code 1 with the first
+answered, as rtl/INTERFACE.md has it. HAPTOGRAM_NET_FRAMES is how many, 40,000 unless set; HAPTOGRAM_SEED of what. Exit code 1 with the first
 frame that the receiver takes for something else.
 """
 import os
@@ -187,7 +187,7 @@ def outcomes(output):
 
 
 def main(program):
-    count = int(os.environ.get("HAPTOGRAM_NET_FRAMES", "100000"))
+    count = int(os.environ.get("HAPTOGRAM_NET_FRAMES", "40000"))
     seed = int(os.environ.get("HAPTOGRAM_SEED") or random.randrange(1 << 32))
     chance, all_seeds, kinds = random.Random(seed), seeds(), Counter()
     for first in range(0, count, BATCH):

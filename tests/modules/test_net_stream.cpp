@@ -299,7 +299,7 @@ TEST_CASE("stream: each pattern plays in its own carrier period, and where one i
 }
 
 TEST_CASE("stream: eight foci for each carrier period play in that period") {
-    constexpr long periods = 1'000, lead = 30;
+    constexpr long periods = 400, lead = 30;
     FociStream stream(10);
     const long begin = stream.now() + lead + 10, end = begin + periods - periods % patterns_a_datagram;
     stream.network.rests = true;
@@ -316,7 +316,7 @@ TEST_CASE("stream: eight foci for each carrier period play in that period") {
 }
 
 TEST_CASE("stream: foci are at the pins two and a half carrier periods after the end of their datagram") {
-    constexpr unsigned datagrams = 200;
+    constexpr unsigned datagrams = 100;
     FociStream stream(1000);
     std::vector<double> taken;                  // carrier periods
     for (unsigned k = 0; k < datagrams; ++k) {  // in every part of a period alike
@@ -448,7 +448,7 @@ TEST_CASE("stream: when no pattern comes the last one is held, and then its ampl
 
 TEST_CASE("stream: of a stream that DISABLE ended nothing plays, however soon ENABLE follows") {
     const bool timed = GENERATE(false, true);
-    const std::size_t tries = haptogram::test::soaked(1250, 40);
+    const std::size_t tries = haptogram::test::soaked(1250, 16);
     Stream stream(1000, 65535, Stream::first_index, timed ? 0 : 1);
     if (timed) stream.pattern_of = timings;
     Network& network = stream.network;
@@ -475,7 +475,7 @@ TEST_CASE("stream: of a stream that DISABLE ended nothing plays, however soon EN
 
 TEST_CASE("stream: SELECT ends a stream, or comes about its end, and nothing of that plays once more") {
     const bool timed = GENERATE(false, true), ends = GENERATE(false, true);
-    const std::size_t tries = haptogram::test::soaked(1250, 48);
+    const std::size_t tries = haptogram::test::soaked(1250, 16);
     constexpr std::uint16_t selected = 1, hold = 4, selected_width = 60;  // of the stream's pulses none is so short
     Stream stream(hold, 65535, Stream::first_index, timed ? 0 : 1);
     if (timed) stream.pattern_of = timings;

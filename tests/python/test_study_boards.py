@@ -32,9 +32,9 @@ SLOW_LINE = (DEVICE, "too slow to follow a hand")  # records of amplitudes or ti
 TOO_MUCH |= {(board, name): SLOW_LINE for board in ("colorlight-5a-75e-v6.0", SLOW) for name in LIVE}
 FITTED = {(HX8K, "haptogram_shapes"): {"points": 64}, (HX8K, "hoshi_direction"): {"step_mm": 1}}
 
-# All on a board of records, and of the other kinds what they play in another way: amplitudes and foci over a serial line and over Ethernet, records
-# over a slow line, and as many channels as Hoshi's array.
-IN_TEST = [(HX8K, name) for name in COMPILED] + [(FOCI, name) for name in LIVE] + [(NET, "hoshi_positioning"), (WIDE, "haptogram_shapes"), (SLOW, "fingers_surface")]
+# All on a board of records, and of the other kinds what they play in another way: foci over a serial line, amplitudes over Ethernet, records over
+# a slow line.
+IN_TEST = [(HX8K, name) for name in COMPILED] + [(FOCI, name) for name in LIVE] + [(NET, "hoshi_positioning"), (SLOW, "fingers_surface")]
 ALL = [(board, name) for board in BOARDS for name in (*COMPILED, *LIVE)] + [(HOSHI, name) for name in HOSHIS] + [(FOCI, name) for name in LIVE]
 # Whether a board without foci follows a hand depends on how fast it takes records, which on a busy machine is slow.
 MARKS = {name: pytest.mark.real_time for name in LIVE}
