@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build check deep deep-build demo real-time test messages browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
+.PHONY: help setup build check cosim deep deep-build demo real-time test messages browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -45,6 +45,12 @@ CTEST := HAPTOGRAM_SEED=$(SEED) ctest --preset $(PRESET)
 check: build ## while working, 90 s: the way from a shape to its field, contracts of the small core, units
 	@$(CTEST) -j 2 -L '^(unit|check)$$'
 	@$(CTEST) -j 2 -R '^cosim/contract [1-6]'
+
+CASE ?= contract 2
+cosim: ## a change of the RTL tried in a minute: the cases that begin with CASE="contract 2" on the smallest simulated core
+	@$(call configure,$(PRESET))
+	@cmake --build --preset $(PRESET) --target test_cosim_small
+	@$(BUILD)/tests/test_cosim_small '~[wide]~[tile100]$(CASE)*' --rng-seed $(SEED)
 
 # What the cases heard is compared last, and told: a wording that has changed fails nothing.
 test: build ## every capability and contract, the same on any machine: units, co-simulation, command line, proofs, lint; not the deep ones

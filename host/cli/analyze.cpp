@@ -93,13 +93,7 @@ int analyze_source(const AnalyzeOptions& options) {
     }
     nlohmann::ordered_json points = nlohmann::ordered_json::array();
     Report report;
-    report.tell(fmt::format("{:>5} {:>24} {:>8} {:>4} {:>8} {:>7} {:>9} {:>8} {:>7} {:>7} {:>6} {:>8} {:>7}", "point",
-                            "focus / mm", "spread/us", "beta", "T_f/us", "dwell", "needed", "p / Pa", "P / Pa", "width",
-                            "depth", "side", "F / mN"));
-    for (const PointAnalysis& point : analysis.points) {
-        points.push_back(to_json(point));
-        report.tell(line_of(point, points.size()));
-    }
+    for (const PointAnalysis& point : analysis.points) points.push_back(to_json(point));
     for (const std::string& warning : analysis.warnings) report.tell("warning: " + warning);
     if (!analysis.points.empty()) {
         const auto hottest = std::ranges::min_element(
@@ -139,8 +133,12 @@ int analyze_source(const AnalyzeOptions& options) {
                          "{} dB are recommended for ears\n{}",
                          safe["highest_on_axis_db_spl"].dump(), safe["highest_at_mm"].dump(),
                          safe["at_300_mm_db_spl"].dump(), safe["recommended_for_ears_db_spl"].dump(),
-                         safe["note"].get<std::string>()))
-        .print(options.json);
+                         safe["note"].get<std::string>()));
+    report.tell(fmt::format("{:>5} {:>24} {:>8} {:>4} {:>8} {:>7} {:>9} {:>8} {:>7} {:>7} {:>6} {:>8} {:>7}", "point",
+                            "focus / mm", "spread/us", "beta", "T_f/us", "dwell", "needed", "p / Pa", "P / Pa", "width",
+                            "depth", "side", "F / mN"));
+    for (std::size_t i = 0; i < analysis.points.size(); ++i) report.tell(line_of(analysis.points[i], i + 1));
+    report.print(options.json);
     return 0;
 }
 

@@ -105,14 +105,23 @@ std::size_t letters_between(std::string_view a, std::string_view b) {
     return row.back();
 }
 
-/// "; did you mean compile?" when a command has nearly this name.
-std::string meant(const CLI::App& app, std::string_view word) {
+/// "; did you mean compile?" when a command, or an option of this one, has nearly this name.
+std::string meant(const CLI::App& app, const std::vector<std::string>& words) {
+    const auto odd = std::ranges::find_if(words, [](const std::string& word) { return word.starts_with("-"); });
+    if (words.empty()) return "";
+    const std::string word = odd == words.end() ? words.front() : odd->substr(0, odd->find('='));
+    std::vector<std::string> names;
+    if (odd == words.end())
+        for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    else
+        for (const CLI::Option* option : app.get_options())
+            for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     std::string nearest;
     std::size_t least = 3;
-    for (const CLI::App* command : app.get_subcommands({}))
-        if (const std::size_t letters = letters_between(word, command->get_name()); letters < least) {
+    for (const std::string& name : names)
+        if (const std::size_t letters = letters_between(word, name); letters < least) {
             least = letters;
-            nearest = command->get_name();
+            nearest = name;
         }
     return nearest.empty() || least >= word.size() ? "" : fmt::format("; did you mean {}?", nearest);
 }
@@ -174,12 +183,11 @@ int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
         // CLI11 would only say that a subcommand is missing.
         const CLI::App* command = &app;
         while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-        const std::vector<std::string> rest = command->remaining();
         std::string left_out;
         if (!extras_left_out().empty() && command == &app)
             left_out = fmt::format("; this build leaves out {}", extras_left_out());
         throw bad_argument("haptogram", fmt::format("{}{}{}; see haptogram --help", error.what(),
-                                                    rest.empty() ? "" : meant(*command, rest.front()), left_out));
+                                                    meant(*command, app.remaining(true)), left_out));
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::bad_argument);
     }

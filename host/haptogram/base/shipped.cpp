@@ -29,11 +29,20 @@ std::vector<std::string> shipped_names(std::string_view folder, std::string_view
     return names;
 }
 
+void require_no_part(const std::string& name, std::string_view folder, std::string_view ending, std::string_view kind) {
+    std::vector<std::string> names = shipped_names(folder, ending);
+    std::erase_if(names, [&](const std::string& each) { return each.find(name) == std::string::npos; });
+    if (!name.empty() && !names.empty())
+        throw bad_input(name,
+                        fmt::format("no shipped {} has this name; did you mean {}?", kind, fmt::join(names, ", ")));
+}
+
 std::string path_or_shipped(const std::string& name, std::string_view folder, std::string_view ending,
                             std::string_view kind) {
     if (name.find('/') != std::string::npos || name.ends_with(ending)) return name;
     const std::string shipped = fmt::format("{}{}/{}{}", shipped_prefix, folder, name, ending);
     if (shipped_file(shipped)) return shipped;
+    require_no_part(name, folder, ending, kind);
     throw bad_input(name, fmt::format("no shipped {} has this name (shipped are {}); give the path of a {} file", kind,
                                       fmt::join(shipped_names(folder, ending), ", "), ending));
 }

@@ -29,6 +29,9 @@ inline constexpr std::string_view shipped_prefix = "shipped:";
 /// Names, sorted, of the shipped files in a folder that end in `ending`; without folder and ending.
 [[nodiscard]] std::vector<std::string> shipped_names(std::string_view folder, std::string_view ending);
 
+/// @throws Error{bad_input} naming the shipped files whose names contain `name`, when there are any
+void require_no_part(const std::string& name, std::string_view folder, std::string_view ending, std::string_view kind);
+
 /// What a user means by `name`: a path when it has a slash or ends in `ending`, else the shipped file of that name.
 /// @param kind  what it is, for messages, such as "array"
 /// @throws Error{bad_input} naming those that are shipped

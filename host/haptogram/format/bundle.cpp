@@ -498,4 +498,14 @@ Path path_of(const Bundle& bundle) {
     return path;
 }
 
+Path places_of(const Manifest& manifest, std::span<const SequenceEntry> pass) {
+    Path path;
+    for (const SequenceEntry& entry : pass) {
+        if (entry.dwell == 0) continue;  // as in path_of()
+        const auto place = manifest.place_of(entry.index);
+        add_places(path, place ? manifest.records.at(*place).foci : std::vector<Focus>(), entry.dwell);
+    }
+    return path;
+}
+
 }  // namespace haptogram

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -122,5 +123,8 @@ struct Bundle {
 
 /// What an image plays in one pass: the foci of each record, at the record's amplitude, for as long as it lasts.
 [[nodiscard]] Path path_of(const Bundle& bundle);
+/// The places of one pass, for speed and spacing: without regard to a modulation, a step of silence has no foci, the
+/// strongest focus of any other has amplitude 1, and neighbours with the same foci become one step.
+[[nodiscard]] Path places_of(const Manifest& manifest, std::span<const SequenceEntry> pass);
 
 }  // namespace haptogram

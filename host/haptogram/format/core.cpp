@@ -50,6 +50,7 @@ Core find_configuration(const std::string& name) {
 Core find_core(const std::string& name) {
     if (is_board(name)) return load_board(name).core();
     if (const auto* one = interface::find_configuration(name)) return {name, one->parameters};
+    require_no_part(name, "boards", ".toml", "board");
     throw bad_input(name,
                     fmt::format("no shipped board has this name (`haptogram board list` has theirs), nor has another "
                                 "configuration of the core ({}); give the path of a .toml file",

@@ -3,6 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {
@@ -40,6 +44,28 @@ void weaken(Path& path, double amplitude) {
         throw bad_argument("amplitude", fmt::format("found {}, expected above 0 and at most 1", amplitude));
     for (PathStep& step : path.steps)
         for (Focus& focus : step.foci) focus.amplitude *= amplitude;
+}
+
+std::vector<Focus> without_factor(std::vector<Focus> foci) {
+    std::erase_if(foci, [](const Focus& focus) { return focus.amplitude == 0.0; });
+    double largest = 0.0;
+    for (const Focus& focus : foci) largest = std::max(largest, focus.amplitude);
+    for (Focus& focus : foci) focus.amplitude /= largest;
+    return foci;
+}
+
+std::vector<std::array<double, 4>> key_of(const std::vector<Focus>& foci) {
+    std::vector<std::array<double, 4>> key;
+    for (const auto& [p, amplitude] : foci) key.push_back({p.x, p.y, p.z, std::round(amplitude * 1e6)});
+    return key;
+}
+
+void add_places(Path& path, const std::vector<Focus>& foci, std::uint32_t periods) {
+    std::vector<Focus> plain = without_factor(foci);
+    if (!path.steps.empty() && key_of(path.steps.back().foci) == key_of(plain))
+        path.steps.back().periods += periods;
+    else
+        path.steps.push_back({std::move(plain), periods});
 }
 
 }  // namespace haptogram

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -56,5 +57,14 @@ void require_sound(const Path& path);
 /// @param amplitude  factor on the pressure, above 0 and at most 1
 /// @throws Error{bad_argument} naming "amplitude" for any other
 void weaken(Path& path, double amplitude);
+
+/// The foci of one step whose strongest has amplitude 1, without places where pressure is held down; and a key by which
+/// such foci can be told apart, rounded, as factors are not exact.
+[[nodiscard]] std::vector<Focus> without_factor(std::vector<Focus> foci);
+[[nodiscard]] std::vector<std::array<double, 4>> key_of(const std::vector<Focus>& foci);
+
+/// Adds a step, or makes the last one longer when its foci are the same but for a common factor: a modulation's samples
+/// are no places of their own.
+void add_places(Path& path, const std::vector<Focus>& foci, std::uint32_t periods);
 
 }  // namespace haptogram

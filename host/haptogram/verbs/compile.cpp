@@ -524,7 +524,9 @@ Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint1
                       {},
                       {},
                       std::move(warnings)};
-    compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
+    // As `analyze` has it, of what is played: a modulation may have become silence between the records.
+    const Path places = places_of(compiled.bundle.manifest, compiled.bundle.image.sequence);
+    if (!places.steps.empty()) compiled.pressure_left = summary_of(places, pressure_left(array, places));
     if (kind == ImageKind::records) warn_of_unheard_foci(compiled);
     const std::string short_dwell = short_dwell_warning(compiled);
     if (!short_dwell.empty()) compiled.warnings.push_back(short_dwell);

@@ -89,6 +89,15 @@ FocusCheck check_focus(const Array& array, std::span<const std::complex<double>>
 
 namespace {
 
+/// The second derivative, downwards, of the pressure at a peak across the axis, in the direction in which it is least.
+double least_curvature(const Array& array, std::span<const std::complex<double>> drives, Vec3 peak) {
+    constexpr double step = 0.25e-3;
+    const auto at = [&](int x, int y) { return std::abs(pressure(array, drives, peak + Vec3{x * step, y * step, 0})); };
+    const double here = at(0, 0), xx = 2 * here - at(1, 0) - at(-1, 0), yy = 2 * here - at(0, 1) - at(0, -1);
+    const double xy = (at(1, -1) + at(-1, 1) - at(1, 1) - at(-1, -1)) / 4;
+    return ((xx + yy) / 2 - std::hypot((xx - yy) / 2, xy)) / (step * step);
+}
+
 /// Of sums of foci on a board that computes them.
 FocusLimits limits_of_sums(const Manifest& manifest, const RecordMeaning& record) {
     constexpr double deviations = 4.0, table_steps = 1024.0, alike = 1e-6;
@@ -130,6 +139,13 @@ FocusLimits limits_of_sums(const Manifest& manifest, const RecordMeaning& record
             for (const std::size_t axis : {0U, 1U}) slopes[axis] += group[0] / 12.0 * group[2 + axis] * group[2 + axis];
         }
         least = std::min(least, 1.0 - deviations * std::sqrt(pressure) / std::abs(made));
+        // A weak focus may lie on the slope of a stronger one, whose peak there is flat.
+        const double curvature = least_curvature(array, drives, lateral_peak(array, drives, focus.position)) / source;
+        if (curvature > 0.0)
+            limits.most_offset_m =
+                std::max(limits.most_offset_m,
+                         FocusLimits{}.most_offset_m +
+                             deviations * k * std::hypot(std::sqrt(slopes[0]), std::sqrt(slopes[1])) / curvature);
         for (const std::size_t axis : {0U, 1U}) {
             const double mean = means[axis] / all, spread = squares[axis] / all - mean * mean;
             if (spread > 0.0)

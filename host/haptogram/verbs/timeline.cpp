@@ -257,32 +257,6 @@ DriveSequence sequence_of_pulses(const Manifest& manifest, const std::vector<Pul
     return sequence;
 }
 
-/// Foci whose strongest has amplitude 1. Places where pressure is held down are none.
-std::vector<Focus> without_factor(std::vector<Focus> foci) {
-    std::erase_if(foci, [](const Focus& focus) { return focus.amplitude == 0.0; });
-    double largest = 0.0;
-    for (const Focus& focus : foci) largest = std::max(largest, focus.amplitude);
-    for (Focus& focus : foci) focus.amplitude /= largest;
-    return foci;
-}
-
-/// Rounded, as factors are not exact.
-std::vector<std::array<double, 4>> key_of(const std::vector<Focus>& foci) {
-    std::vector<std::array<double, 4>> key;
-    for (const auto& [p, amplitude] : foci) key.push_back({p.x, p.y, p.z, std::round(amplitude * 1e6)});
-    return key;
-}
-
-/// Adds a step, or makes the last one longer when its foci are the same but for a common factor: a modulation's samples
-/// are no places of their own.
-void add_places(Path& path, const std::vector<Focus>& foci, std::uint32_t periods) {
-    std::vector<Focus> plain = without_factor(foci);
-    if (!path.steps.empty() && key_of(path.steps.back().foci) == key_of(plain))
-        path.steps.back().periods += periods;
-    else
-        path.steps.push_back({std::move(plain), periods});
-}
-
 /// One stretch of a record, or of silence.
 struct PlayedEntry {
     std::optional<std::size_t> place;
@@ -440,13 +414,6 @@ Path places_of(const Manifest& manifest, const DriveSequence& sequence) {
     return path;
 }
 
-Path places_of(const Timeline& timeline) {
-    Path path;
-    for (const SequenceEntry& entry : pass_of(timeline)) {
-        const auto place = timeline.manifest.place_of(entry.index);
-        add_places(path, place ? timeline.manifest.records.at(*place).foci : std::vector<Focus>(), entry.dwell);
-    }
-    return path;
-}
+Path places_of(const Timeline& timeline) { return places_of(timeline.manifest, pass_of(timeline)); }
 
 }  // namespace haptogram
