@@ -83,7 +83,9 @@ FocusCheck check_focus(const Array& array, std::span<const std::complex<double>>
     FocusCheck check;
     check.pressure_pa = std::abs(pressure(array, drives, focus));
     check.pressure_kept = check.pressure_pa / std::abs(pressure(array, reference, focus));
-    check.peak_offset_m = distance(lateral_peak(array, drives, focus), lateral_peak(array, reference, focus));
+    // From the same peak on: beside a stronger focus, a weak one may have none of its own.
+    const Vec3 asked = lateral_peak(array, reference, focus);
+    check.peak_offset_m = distance(lateral_peak(array, drives, asked), asked);
     return check;
 }
 
