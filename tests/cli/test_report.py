@@ -56,7 +56,7 @@ def test_the_page(ring):
     assert page.found["h1"] == [f"Report on {NAME}"] and page.found["title"] == page.found["h1"]
     paragraph = text(succeed(["report", NAME, "--methods"], cwd=ring).stdout)
     assert page.found["p"][0] + "\n" == paragraph
-    for number in ("12 focal points", "100 transducers MA40S4S", "20 times a second", manifest["image_sha256"], manifest["inputs_sha256"], "eq. 2 to 5"):
+    for number in ("12 focal points", "100 transducers MA40S4S", "20 times a second", manifest["image_sha256"], manifest["inputs_sha256"], "eq. 2 to 5", "at least 10 mm apart", "z = 130.0 mm", "nominal level: 4 Pa·m"):
         assert number in paragraph
     # A row of nine cells for each focus, behind the cells of the numbers.
     rows = page.found["td"][-9 * len(points) :]
@@ -83,6 +83,11 @@ def test_a_project_with_modulation_and_foci_computed_by_the_board(tmp_path):
     (tmp_path / "ring.toml").write_text('format = "haptogram-project-1"\narray = "tile-10x10"\nboard = "tile-100-wide"\nam = "sine:200"\n[[shape]]\nkind = "circle"\n')
     paragraph = text(succeed(["report", "ring.toml", "--methods"], cwd=tmp_path).stdout)
     assert "200 samples of 1 carrier period each" in paragraph and "(200 Hz)" in paragraph and "computes the phase" in paragraph
+
+
+def test_a_modulation_by_silence(tmp_path):
+    succeed(["compile", "--shape", "circle", "--points", 40, "--rate", 10, "--am", "square:100", "-o", "beat.hex"], cwd=tmp_path)
+    assert "Nothing was played for 50 % of the time." in text(succeed(["report", "beat.hex", "--methods"], cwd=tmp_path).stdout)
 
 
 def test_several_foci_at_the_same_time(tmp_path):

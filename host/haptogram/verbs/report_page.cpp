@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -321,6 +322,39 @@ std::string how_phases_are_made(const Manifest& manifest) {
     return text + ".";
 }
 
+/// The least distance of two elements, in words.
+std::string apart(const Array& array) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < array.elements.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            least = std::min(least, distance(array.elements[i].position, array.elements[k].position));
+    return array.elements.size() < 2 ? "" : fmt::format(" at least {:.4g} mm apart", least / millimetre);
+}
+
+std::string where_they_lie(const std::vector<Vec3>& points) {
+    if (points.empty()) return "";
+    Vec3 low = points.front(), high = low;
+    for (const Vec3& point : points) {
+        low = {std::min(low.x, point.x), std::min(low.y, point.y), std::min(low.z, point.z)};
+        high = {std::max(high.x, point.x), std::max(high.y, point.y), std::max(high.z, point.z)};
+    }
+    const auto along = [](double from, double to) {
+        return to - from < 0.05 * millimetre ? fmt::format("{:.1f}", from / millimetre)
+                                             : fmt::format("{:.1f} to {:.1f}", from / millimetre, to / millimetre);
+    };
+    return fmt::format(" In its frame, whose z is the distance from it, the foci lie at x = {}, y = {}, z = {} mm.",
+                       along(low.x, high.x), along(low.y, high.y), along(low.z, high.z));
+}
+
+/// Carrier periods of a pass in which nothing plays.
+std::uint64_t silence_of(const Timeline& timeline) {
+    std::uint64_t silent = 0;
+    if (timeline.image)
+        for (const SequenceEntry& entry : timeline.image->sequence)
+            if (entry.index == 0) silent += entry.dwell;
+    return silent;
+}
+
 std::string escaped(std::string_view text) {
     std::string safe;
     for (const char c : text) {
@@ -425,10 +459,11 @@ std::string methods_text(const Timeline& timeline) {
     const double period_us = 1e6 / manifest.timer.carrier_hz();
     const std::size_t at_once = most_foci_at_once(manifest), points = manifest.points().size();
     std::string text = fmt::format(
-        "The stimulus was rendered by {} focal point{} of an airborne ultrasound array ({}: {} transducers {}, {:.5g} "
-        "kHz, speed of sound {:.4g} m/s, absorption {:.3g} Np/m).",
-        points, points == 1 ? "" : "s", array.name, array.elements.size(), array.transducer.name,
-        1e-3 * manifest.timer.carrier_hz(), array.medium.speed_m_s, array.medium.absorption_np_m);
+        "The stimulus was rendered by {} focal point{} of an airborne ultrasound array ({}: {} transducers {}{}, "
+        "{:.5g} kHz, speed of sound {:.4g} m/s, absorption {:.3g} Np/m). Its {}.{}",
+        points, points == 1 ? "" : "s", array.name, array.elements.size(), array.transducer.name, apart(array),
+        1e-3 * manifest.timer.carrier_hz(), array.medium.speed_m_s, array.medium.absorption_np_m,
+        level_text(array.transducer), where_they_lie(manifest.points()));
     if (at_once <= 1)
         text += " All waves arrive at a focal point in phase (Haptogram, eq. 2 to 5).";
     else
@@ -440,6 +475,9 @@ std::string methods_text(const Timeline& timeline) {
             at_once <= 1 ? "The focal points" : fmt::format("The {} sets of focal points", manifest.records.size()),
             range(dwells.least, dwells.most, "carrier periods"),
             range(period_us * dwells.least, period_us * dwells.most, "µs"), manifest.rate_hz);
+    if (const std::uint64_t silent = silence_of(timeline); silent > 0)
+        text += fmt::format(" Nothing was played for {:.3g} % of the time.",
+                            100.0 * static_cast<double>(silent) / static_cast<double>(silent + dwells.pass));
     text += fmt::format(
         " The slowest focus takes {:.4g} µs to form (Haptogram, eq. 12), and {:.4g} µs with the transducers' ring-up "
         "to 90 %.",
