@@ -44,7 +44,7 @@ SEED ?= 1
 CTEST := HAPTOGRAM_SEED=$(SEED) ctest --preset $(PRESET)
 check: build ## while working, 90 s: the way from a shape to its field, contracts of the small core, units
 	@$(CTEST) -j 2 -L '^(unit|check)$$'
-	@$(CTEST) -j 2 -R '^cosim/contract [1-6]'
+	@$(CTEST) -j 2 -R '^cosim/contract [1-6]:'
 
 CASE ?= contract 2
 cosim: ## a change of the RTL tried in a minute: the cases that begin with CASE="contract 2" on the smallest simulated core
