@@ -314,7 +314,7 @@ Shape as_shape(Polygons polygons, const std::string& name) {
     if (polygons.vertices.size() > std::numeric_limits<std::uint32_t>::max())
         throw bad_input(name, fmt::format("found {} vertices, expected at most {}; export the shape with fewer",
                                           polygons.vertices.size(), std::numeric_limits<std::uint32_t>::max()));
-    Shape shape{{}, std::move(polygons.remarks)};
+    Shape shape{{}, std::move(polygons.remarks), polygons.own_unit_m.has_value(), std::move(polygons.beside)};
     std::vector<std::string>& remarks = shape.remarks;
     if (polygons.face_ends.empty() && !polygons.curves.empty()) {
         for (const std::vector<std::uint32_t>& curve : polygons.curves) {
@@ -478,7 +478,7 @@ private:
                                             fields_.empty() ? "\"\"" : shown(whole()),
                                             found == fields_.end() ? "no" : "more than one", name));
             columns_.at(axis) = static_cast<std::size_t>(found - fields_.begin());
-            cloud_.in_mm = cloud_.in_mm || lower_case(*found).ends_with("_mm");
+            if (lower_case(*found).ends_with("_mm")) cloud_.own_unit_m = millimetre;
         }
         width_ = fields_.size();
         counts_ = false;

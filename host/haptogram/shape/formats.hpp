@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,8 @@ namespace haptogram {
 /// What a shape file holds, in the file's unit: vertices, and faces of three or more corners.
 struct Polygons {
     std::vector<Vec3> vertices;
-    bool in_mm = false;                              ///< the names of its columns say so
+    std::optional<double> own_unit_m;                ///< when the file says itself what a 1 in it means
+    std::string beside;                              ///< contents of other files that it is read from
     std::size_t unseen = 0;                          ///< points of NaN, which are no vertices
     std::vector<std::string> remarks;                ///< sentences on what was stepped over or may be meant otherwise
     std::vector<std::uint32_t> corners;              ///< indices into `vertices`, one face after another
