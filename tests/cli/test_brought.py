@@ -219,5 +219,13 @@ def test_parameters_of_a_pattern_are_set(tmp_path):
 def test_a_sound_that_is_too_long_says_how_long_it_may_be(tmp_path):
     data = struct.pack("<12000h", *[int(20000 * math.sin(0.1 * k)) for k in range(12000)])
     fmt = struct.pack("<4sIHHIIHH", b"fmt ", 16, 1, 1, 4000, 8000, 2, 16)
-    (tmp_path / "long.wav").write_bytes(b"RIFF" + struct.pack("<I", 36 + len(data)) + b"WAVE" + fmt + b"data" + struct.pack("<I", len(data)) + data)
+
+    def wav(part):
+        return b"RIFF" + struct.pack("<I", 36 + len(part)) + b"WAVE" + fmt + b"data" + struct.pack("<I", len(part)) + part
+
+    (tmp_path / "long.wav").write_bytes(wav(data))
     refuse(tmp_path, ["compile", "--shape", "point", "--am", "wav:long.wav", "--array", "tile-10x10", "--board", "tile-100-wide", "-o", "no.hex"], BAD_INPUT, outputs=["no.hex"])
+    # A board without a memory for modulation plays it as sequence entries.
+    (tmp_path / "short.wav").write_bytes(wav(data[:2000]))
+    image_of(tmp_path, "--shape", "point", "--am", "wav:short.wav")
+    refuse(tmp_path, ["compile", "--shape", "point", "--am", "wav:long.wav", "-o", "no.hex"], BAD_INPUT, outputs=["no.hex"])

@@ -209,6 +209,18 @@ private:
         auto& entries = recorded_.entries;
         for (std::uint64_t periods = waiting_; periods > 0;) {
             const auto dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(periods, most_dwell));
+            if (entries.size() + 1 >= core_.parameters.sequence_depth && path_.steps.size() == 1 &&
+                !path_.modulation.samples.empty())
+                throw bad_input(
+                    core_.name,
+                    fmt::format(
+                        "the modulation lasts {:.3g} s, and the board's {} sequence entries hold {:.3g} s of it; take "
+                        "a shorter or coarser one, or a board with a memory for it, such as tile-100-wide",
+                        static_cast<double>(path_.modulation.samples.size()) * path_.modulation.periods_a_sample /
+                            timer_.carrier_hz(),
+                        core_.parameters.sequence_depth - 1,
+                        static_cast<double>(recorded_periods_) / timer_.carrier_hz()),
+                    {"am", "board", "array"});
             if (entries.size() + 1 >= core_.parameters.sequence_depth)
                 throw bad_input(core_.name,
                                 fmt::format("the path needs more sequence entries than the board's {}; take fewer "
@@ -217,6 +229,7 @@ private:
                                 {"points", "board", "array"});
             entries.push_back({waiting_index_, dwell, std::exchange(waiting_mark_, false)});
             periods -= dwell;
+            recorded_periods_ += dwell;
         }
     }
 
@@ -225,7 +238,7 @@ private:
     const Core& core_;
     const std::optional<Segments>& segments_;
     std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
-    std::uint64_t waiting_ = 0;
+    std::uint64_t waiting_ = 0, recorded_periods_ = 0;
     bool waiting_mark_ = false;
     RecordedPath recorded_;
     std::map<std::string, std::size_t> records_;

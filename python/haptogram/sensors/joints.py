@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import bad_argument
+from ..errors import ErrorCode, HaptogramError
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 BONES = ("metacarpal", "proximal", "intermediate", "distal", "tip")
@@ -30,14 +30,14 @@ Place = Sequence[float]
 def hand(side: str, joints: Mapping[str, Place], **more: Any) -> Hand:
     """Joints by their names in NAMES, in metres. `more`: id, confidence, normal and others of extras/hands/README.md."""
     if side not in ("left", "right"):
-        raise bad_argument("side", f"found {side!r}, expected left or right")
+        raise HaptogramError(ErrorCode.USAGE, "side", f"found {side!r}, expected left or right")
     places = {}
     for name, place in joints.items():
         if name not in NAMES:
-            raise bad_argument("joints", f"found {name!r}, expected one of {', '.join(NAMES)}")
+            raise HaptogramError(ErrorCode.USAGE, "joints", f"found {name!r}, expected one of {', '.join(NAMES)}")
         places[name] = [float(number) for number in place]
         if len(places[name]) != 3 or not all(map(math.isfinite, places[name])):
-            raise bad_argument("joints", f"{name} is {places[name]}, expected three finite numbers in metres")
+            raise HaptogramError(ErrorCode.USAGE, "joints", f"{name} is {places[name]}, expected three finite numbers in metres")
     return {"side": side, "joints_m": places, **more}
 
 
@@ -64,7 +64,7 @@ def of_mediapipe(result: Any, width: int, height: int, focal_px: float, mirrored
     `mirrored`: the picture is that of a mirror, for which MediaPipe says which hand it is; of another picture it says the wrong one.
     """
     if not (width > 0 and height > 0 and focal_px > 0):
-        raise bad_argument("focal_px", f"found {width} x {height} pixels and a focal length of {focal_px} pixels, expected numbers above 0")
+        raise HaptogramError(ErrorCode.USAGE, "focal_px", f"found {width} x {height} pixels and a focal length of {focal_px} pixels, expected numbers above 0")
     tasks = hasattr(result, "hand_landmarks")
     pictures = result.hand_landmarks if tasks else [each.landmark for each in result.multi_hand_landmarks or ()]
     worlds = result.hand_world_landmarks if tasks else [each.landmark for each in result.multi_hand_world_landmarks or ()]
