@@ -8,7 +8,7 @@ import pytest
 from haptogram.errors import HaptogramError
 from haptogram.sensors.joints import MEDIAPIPE, NAMES, hand, line, of_mediapipe, of_openxr
 from messages import notice
-from processes import PROGRAM, run
+from processes import PROGRAM, ROOT, run
 from test_sensors import BAD_INPUT, OK, refuse
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
@@ -88,6 +88,14 @@ def test_joints_come_over_a_pipe(tmp_path):
     report = json.loads(done.stdout)
     assert report["shots"] + report["skipped"] == 60 and report["junk"] == 1 and report["with_rings"] > 0
     notice(done.stderr)
+
+
+def test_the_frame_of_the_page_is_one(tmp_path):
+    page = (ROOT / "extras/hands/README.md").read_text(encoding="utf-8")
+    frame = page.split("## Hands of any tracker")[1].split("```json\n")[1].split("```")[0]
+    (tmp_path / "page.jsonl").write_text(" ".join(frame.split()) + "\n")
+    done = run([PROGRAM, "render", "sphere", "--size", "60", "--center", "-20,90,190", "--hand", "page.jsonl", "--frame", "1", "--algorithm", "A", "-o", "path.json"], tmp_path)
+    assert done.returncode == OK and foci(tmp_path / "path.json"), done.stderr
 
 
 def test_joints_that_are_wrong(tmp_path):
