@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 import pytest
-from brought_shapes import CORE, gltf, mesh_xml, model_xml, pcd, svg, three_mf
+from brought_shapes import CORE, RELATIONS, gltf, mesh_xml, model_xml, pcd, svg, three_mf
 from messages import notice
 from support import BAD_INPUT, USAGE, foci_mm, read_json, refuse, run, succeed
 
@@ -97,7 +97,9 @@ def test_3mf_of_several_files_and_a_mirror_image(tmp_path):
     production = 'xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06" requiredextensions="p"'
     part = model_xml(f'<object id="7">{mesh_xml(ROOF.tolist(), FACES)}</object>', "")
     model = model_xml('<object id="1"><components><component p:path="/3D/Objects/part.model" objectid="7"/></components></object>', f'<item objectid="1" transform="{turn_of(mirror)}"/>', more=production)
-    alike(tmp_path, "roof.3mf", three_mf(model, [("3D/Objects/part.model", part)]), roof(tmp_path, moved(mirror, ROOF), [(a, c, b) for a, b, c in FACES]))
+    wanted = roof(tmp_path, moved(mirror, ROOF), [(a, c, b) for a, b, c in FACES])
+    for relations in (RELATIONS, None):  # which say where the model is; where all programs put it, it is found without
+        alike(tmp_path, "roof.3mf", three_mf(model, [("3D/Objects/part.model", part)], relations), wanted)
 
 
 def test_3mf_that_is_wrong(tmp_path):
@@ -110,7 +112,7 @@ def test_3mf_that_is_wrong(tmp_path):
     models = [model_xml(thing, '<item objectid="2"/>'), model_xml(thing, ""), model_xml(thing, item, "parsec"), model_xml(loop, item), model_xml(bomb, item), model_xml(thing, item, more=more),
               model_xml(thing.replace('v1="0"', 'v1="5"', 1), item), model_xml(thing.replace('x="-20.0"', 'x="nan"', 1), item), model_xml(thing, '<item objectid="1" transform="1 0 0"/>'),
               model_xml(thing, '<item objectid="1" transform="1e9 0 0 0 1e9 0 0 0 1e9 1e12 0 0"/>'), "<a><b></a>", "<svg/>", "", None, f"<model {CORE}>" + "<a>" * 100 + "</a>" * 100 + "</model>"]  # fmt: skip
-    contents = [three_mf(model) for model in models] + [good[:-30], good[:30], b"PK", good.replace(b"_rels/.rels", b"_rels/.Rols"), three_mf(model_xml(thing, item), relations="<a/>"),
+    contents = [three_mf(model) for model in models] + [good[:-30], good[:30], b"PK", three_mf(None, relations=None), three_mf(model_xml(thing, item), relations="<a/>"),
                                                         three_mf(model_xml(thing, item + " " * 60_000_000))]  # fmt: skip
     for content in contents:
         (tmp_path / "part.3mf").write_bytes(content)
@@ -179,6 +181,7 @@ def test_gltf_that_is_wrong(tmp_path):
         at[path[-1]] = value
         return json.dumps(document).encode()
 
+    bare = {"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]}
     glb = gltf(y_up(ROOF).tolist(), CORNERS, "glb")[0]
     deep = [{"children": [k + 1]} for k in range(500)] + [{"mesh": 0}]
     wrong = [changed(asset={"version": "1.0"}), changed(extensionsRequired=["KHR_draco_mesh_compression"]), changed(extensionsUsed=["EXT_mesh_gpu_instancing"]), changed(scene=1), changed(nodes=[{}]),
@@ -188,7 +191,7 @@ def test_gltf_that_is_wrong(tmp_path):
              deeper(["accessors", 0, "type"], "VEC4"), deeper(["bufferViews", 0, "byteStride"], 4), deeper(["bufferViews", 1, "byteOffset"], 2**31), deeper(["bufferViews", 1, "byteOffset"], 0),
              deeper(["buffers", 0, "byteLength"], 2**31), deeper(["buffers", 0, "uri"], "data:;base64,####"), deeper(["buffers", 0, "uri"], "../roof.bin"), deeper(["buffers", 0, "uri"], "/etc/passwd"),
              deeper(["buffers", 0, "uri"], "none.bin"), deeper(["buffers", 0, "uri"], "%2e%2e/roof.bin"), deeper(["meshes", 0, "primitives", 0, "mode"], 7), deeper(["meshes", 0, "primitives", 0, "indices"], 7),
-             glb[:-1], glb[:30], glb[:4] + struct.pack("<I", 1) + glb[8:], b"{}", b"glTF", b"[]", b"{"]  # fmt: skip
+             glb[:-1], glb[:30], glb[:4] + struct.pack("<I", 1) + glb[8:], json.dumps(bare).encode(), b"{}", b"glTF", b"[]", b"{"]  # fmt: skip
     for content in wrong:
         (tmp_path / "part.gltf").write_bytes(content)
         refuse(tmp_path, ["compile", "part.gltf", "-o", "no.hex"], BAD_INPUT, outputs=["no.hex"])

@@ -148,7 +148,8 @@ private:
     static std::size_t index(const JsonMember& member, std::size_t count) {
         const double value = member.number(0.0, 4294967295.0);
         if (value != std::floor(value) || value >= static_cast<double>(count))
-            throw member.wrong(fmt::format("the number of one of {}, from 0", count));
+            throw member.wrong(count == 0 ? "left out, as the file has none of these; export it with its geometry"
+                                          : fmt::format("the number of one of {}, from 0", count));
         return static_cast<std::size_t>(value);
     }
     static std::size_t whole(const JsonMember& of, const char* key, std::size_t otherwise) {

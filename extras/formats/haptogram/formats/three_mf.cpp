@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "haptogram/base/bundle.hpp"
 #include "haptogram/formats/parts.hpp"
@@ -52,8 +53,10 @@ private:
 
     /// The model where reading begins.
     [[nodiscard]] std::string start_part() const {
+        const std::optional<std::string> named = part_("_rels/.rels");
+        if (!named) return "3D/3dmodel.model";  // where all programs put it
         pugi::xml_document relations;
-        parse_xml(relations, contents("_rels/.rels"), in("_rels/.rels"));
+        parse_xml(relations, *named, in("_rels/.rels"));
         for (const pugi::xml_node& each : relations.first_child())
             if (std::string_view(each.attribute("Type").value()).ends_with("/3dmodel"))
                 return without_slash(each.attribute("Target").value());
