@@ -26,7 +26,7 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "command line, simulated board and studi
 set(CPACK_DEBIAN_DEVEL_PACKAGE_NAME libhaptogram-dev)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
-set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libfmt-dev, libhwy-dev, libminizip-dev, libtbb-dev, libeigen3-dev, nlohmann-json3-dev, libtomlplusplus-dev, libbullet-dev, libpng-dev, zlib1g-dev, libftdi1-dev")
+set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libfmt-dev, libhwy-dev, libminizip-dev, libtbb-dev, libeigen3-dev, nlohmann-json3-dev, libtomlplusplus-dev, libbullet-dev, libpng-dev, libpugixml-dev, zlib1g-dev, libftdi1-dev")
 set(CPACK_COMPONENT_DEVEL_DESCRIPTION "C++ libraries of haptogram
  Static libraries, headers, CMake and pkg-config files.")
 

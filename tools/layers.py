@@ -36,7 +36,7 @@ LAYERS = {
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "cli": "host/cli", "c": "host/c"}
 # The C interface is linked with what a build has of these, behind #ifdef.
-MAY_HAVE = {"c": ("feel", "hands")}
+MAY_HAVE = {"c": ("feel", "formats", "hands")}
 # Lines of the files that are needed for a purpose: those that the named headers lead to, with their sources. They may not grow beyond MOST.
 PURPOSES = {
     "compile a shape": (("verbs/compile.hpp",), 14650),

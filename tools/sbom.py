@@ -16,7 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 COMPILED_IN = ("libboost-dev", "libbullet-dev", "libcli11-dev", "libeigen3-dev", "libfmt-dev", "libftdi1-dev", "libhwy-dev", "libminizip-dev", "libnanoflann-dev",
-               "libpng-dev", "libtbb-dev", "libtomlplusplus-dev", "nlohmann-json3-dev", "verilator", "zlib1g-dev")
+               "libpng-dev", "libpugixml-dev", "libtbb-dev", "libtomlplusplus-dev", "nlohmann-json3-dev", "verilator", "zlib1g-dev")
 
 
 def of_the_page():

@@ -42,6 +42,9 @@
 #include <unistd.h>
 #endif
 
+#ifdef HAPTOGRAM_HAS_FORMATS
+#include "haptogram/formats/readers.hpp"
+#endif
 #ifdef HAPTOGRAM_HAS_PERCEPTION
 #include "haptogram/perception/magnitude.hpp"
 #endif
@@ -263,6 +266,9 @@ haptogram::Project project_for(const haptogram_project& given) {
                                     const haptogram::Array& array) {
         return haptogram::perception::give_magnitude(path, project, array);
     };
+#endif
+#ifdef HAPTOGRAM_HAS_FORMATS
+    wanted.makers.readers = haptogram::formats::readers();
 #endif
     if (given.folder != nullptr) wanted.folder = given.folder;
     if (given.shape != nullptr)

@@ -266,7 +266,8 @@ void add_compile(CLI::App& app, Action& action) {
     CLI::App* sub =
         app.add_subcommand("compile", "Turn shapes into an Intel HEX image of focal timings, and its manifest");
     sub->add_option("inputs", options->inputs,
-                    "PLY, OBJ, STL, OFF, XYZ or CSV files, - for standard input; several become one shape. Or one path "
+                    "PLY, OBJ, STL, OFF, PCD, 3MF, glTF, SVG, XYZ or CSV files, - for standard input; several become "
+                    "one shape. Or one path "
                     "(.json, .csv with times, .adaptics), or one project (.toml, .haptogram), whose settings the "
                     "options below then override");
     sub->add_option("--shape", options->shapes,

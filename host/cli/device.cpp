@@ -12,6 +12,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/outputs.hpp"
 #include "haptogram/link/rig_devices.hpp"
+#include "haptogram/link/serial_line.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "interrupt.hpp"
@@ -41,7 +42,9 @@ struct DeviceOptions {
 
 int info(const DeviceOptions& options) {
     const link::Device device(options.port);
-    tell(to_json(device.identity()), options.json);
+    nlohmann::ordered_json told = to_json(device.identity());
+    if (const auto waits_ms = link::latency_ms(options.port.port)) told["latency_timer_ms"] = *waits_ms;
+    tell(told, options.json);
     return 0;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "command.hpp"
+#include "haptogram/link/serial_line.hpp"
 
 namespace haptogram::cli {
 
@@ -27,6 +28,16 @@ void add_baud_option(CLI::App& sub, std::optional<std::uint32_t>& baud) {
 
 void tell_rate(const std::string& port, std::uint32_t baud) {
     complain(fmt::format("{}: it answers at {} baud, which is remembered", port, baud));
+}
+
+void warn_of_latency(const std::string& port) {
+    const std::optional<unsigned> waits_ms = link::latency_ms(port);
+    if (waits_ms.value_or(1) > 1)
+        complain(fmt::format(
+            "warning: {}: its adapter keeps what the board answers for up to {} ms (its latency timer), and "
+            "streams may run dry; write 1 into /sys/class/tty/PORT/device/latency_timer, or install the "
+            "package's udev rule",
+            port, *waits_ms));
 }
 
 void add_watchdog_option(CLI::App& sub, std::uint16_t& milliseconds) {

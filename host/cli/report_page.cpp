@@ -24,8 +24,9 @@ int make_report(const ReportOptions& options) {
     const Source source = source_of(options.what, "report");
     if (!options.methods) require_distinct(files_of(source), {{"--output", options.output}});
     const Timeline timeline = open_timeline(source);
+    const std::string methods = methods_text(timeline);  // which refuses what has no image, before all that takes long
     if (options.methods) {
-        fmt::print("{}\n", methods_text(timeline));
+        fmt::print("{}\n", methods);
         return 0;
     }
     std::string page;

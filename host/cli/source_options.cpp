@@ -14,7 +14,7 @@ CLI::Option* add_source_file(CLI::App& command, Source& source, const std::strin
         what +
             "Intel HEX image, with its manifest beside it; a rig's manifest (.json); or what is compiled first: a "
             "project (.toml, .haptogram), a path (.json, .csv, .adaptics), or a shape (.ply, .obj, .stl, .off, "
-            ".xyz, .csv)");
+            ".pcd, .3mf, .gltf, .glb, .svg, .xyz, .csv)");
 }
 
 void add_array_and_board(CLI::App& command, Source& source) {

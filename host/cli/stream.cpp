@@ -83,6 +83,7 @@ int stream_rig(const StreamOptions& options) {
     const RigBundle bundle = compiled ? compiled->bundle : load_rig_bundle(options.ports.rig);
     catch_interrupts();  // before this nothing is on, and compiling a path may take long
     const link::RigDevices devices(bundle, options.ports.of(bundle));
+    for (const link::PortSettings& port : options.ports.of(bundle)) warn_of_latency(port.port);
     const link::RigSettings settings{
         .watchdog_ms = options.stream.watchdog_ms, .on_loss = on_loss_of(options.on_loss), .warn = complain};
     ProgressLine progress("stream");
@@ -113,6 +114,7 @@ int stream_patterns(const StreamOptions& options) {
     const link::PortSettings port = options.ports.one();
     catch_interrupts();
     link::Device device(port);
+    warn_of_latency(port.port);
     std::optional<link::ModulationOn> modulated;
     if (options.am) {
         const link::Am am{*options.am, law_of(options.am_law.value_or("pressure")), 1.0 / link::pattern_period_s};
@@ -159,6 +161,7 @@ int stream(const StreamOptions& options) {
     if (!options.path.empty()) compiled = compile_for_stream(project_of(options), options.path);
     catch_interrupts();  // before this nothing is on, and compiling a path may take long
     link::Device device(port);
+    warn_of_latency(port.port);
     const std::string what = options.foci ? "foci" : "indices";
     ProgressLine progress("stream");
     const link::Watch watch = [&](const link::Playing& now) {

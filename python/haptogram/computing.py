@@ -339,7 +339,7 @@ def compile(*, points_m: npt.ArrayLike | None = None, times_s: npt.ArrayLike | N
     points_m: n × 3. With times_s (n, rising) each point plays from its time to the next one's, with its intensity (n, 0 to 1) if that is given.
         Without times_s they are a shape: a short tour through them is played rate_hz times a second.
     shape: a built-in shape's name (point, line, circle, triangle, square, plus, polygon, sphere, hemisphere, cube, cone, cylinder, helix), a PLY, OBJ,
-        STL, XYZ or CSV file, a dict of a project's [[shape]], or a list of these.
+        STL, OFF, PCD, 3MF, glTF, SVG, XYZ or CSV file, a dict of a project's [[shape]], or a list of these.
     path: a path file (.json, .csv, .adaptics), or a path as a dict.
     project: a project file, or a project as a dict.
 

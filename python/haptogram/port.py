@@ -42,6 +42,8 @@ class Port:
                 raise RateRefused(path, f"it refuses {baud} baud: {error}") from error
             reason = os.strerror(number) if number else str(error)
             raise device_error(path, f"cannot be opened: {reason}; 'haptogram-py device list' shows the ports") from error
+        with contextlib.suppress(*FAILURES, NotImplementedError):  # an FTDI chip keeps what it received for 16 ms otherwise; others have no such mode
+            self._serial.set_low_latency_mode(True)
 
     def write(self, data: bytes) -> None:
         end = time.monotonic() + MOST_WAIT_S

@@ -11,6 +11,7 @@ import struct
 
 import numpy as np
 import pytest
+from brought_shapes import gltf, mesh_xml, model_xml, pcd, svg, three_mf
 from messages import notice
 from support import BAD_INPUT, OK, ROOT, USAGE, assert_one_message, foci_mm, read_json, refuse, run, succeed, text
 
@@ -69,6 +70,9 @@ PUSH = number("push", "param")
 HALF = number({"type": "multiply", "value": [{"type": "parameter", "value": "push"}, {"type": "constant", "value": 0.5}]}, "formula")
 JUMP = {"condition": {"parameter": "push", "value": 0.5, "operator": {"name": "gt", "params": {}}}, "jump_to": 0}
 
+PART = f'<object id="1">{mesh_xml([(x / 10, y / 10, 0.0) for x, y, _ in SQUARE], [(0, 1, 2), (0, 2, 3)])}</object><object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 13"/></components></object>'
+LYING = [(x * 1e-3, 0.13, -y * 1e-3) for x, y, _ in SQUARE]
+
 # A form, the file that shows it, and what it is read as.
 FORMS = {
     "unseen pixels of a depth camera: (0, 0, 0)": ("scan.xyz", "0 0 0\n" * 200 + rows(), "the ring"),
@@ -96,14 +100,25 @@ FORMS = {
     "AdapTics: a jump elsewhere": ("pattern.adaptics", pattern(jumps=[{**JUMP, "jump_to": 100}]), "nothing"),
     "AdapTics: a template of one key frame": ("pattern.adaptics", pattern(frames=1), "a path"),
     "OFF": ("square.off", "OFF\n4 1 0\n" + rows(SQUARE) + "4 0 1 2 3\n", "points"),
-    "PCD, 3MF, glTF, SVG": ("shape.3mf", "PK", "nothing"),
+    "PCD, ascii": ("scan.pcd", pcd(RING), "the ring"),
+    "PCD, binary": ("scan.pcd", pcd(RING, "binary"), "the ring"),
+    "PCD, binary_compressed": ("scan.pcd", pcd(RING, "binary_compressed"), "the ring"),
+    "PCD, organised, with unseen pixels": ("scan.pcd", pcd([(math.nan,) * 3] * 20 + RING, "binary", width=40), "the ring"),
+    "3MF: components, transforms, units": ("square.3mf", three_mf(model_xml(PART, '<item objectid="2"/>', "centimeter")), "points"),
+    "glTF": ("square.gltf", gltf(LYING, [0, 1, 2, 0, 2, 3])[0], "points"),
+    "GLB": ("square.glb", gltf(LYING, [0, 1, 2, 0, 2, 3], "glb")[0], "points"),
+    "glTF without its buffer's file": ("square.gltf", gltf(LYING, [0, 1, 2, 0, 2, 3], "square.bin")[0], "nothing"),
+    "SVG": ("ring.svg", svg('<g transform="scale(2)"><circle cx="25" cy="25" r="10"/></g>'), "a curve"),
+    "SVG without a size in mm": ("ring.svg", svg('<path d="M30,50a20 20 0 1 1 40 0 20 20 0 1 1-40 0z"/>', 'viewBox="0 0 100 100"'), "points"),
+    "SVG of text alone": ("ring.svg", svg("<text>words</text>"), "nothing"),
+    "STEP, and all others": ("shape.step", "ISO-10303-21;", "nothing"),
 }  # fmt: skip
 
 
 def bring(folder, form, *options):
     name, content, _ = FORMS[form]
-    (folder / name).write_text(content, encoding="utf-8")
-    if FORMS[form][2] == "a curve":
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    if FORMS[form][2] == "a curve" or name.endswith(".svg"):
         options = ("--frequency", 100, *options)
     if form == "a shape in metres":
         options = ("--center", "0,0,130", *options)
@@ -204,5 +219,13 @@ def test_parameters_of_a_pattern_are_set(tmp_path):
 def test_a_sound_that_is_too_long_says_how_long_it_may_be(tmp_path):
     data = struct.pack("<12000h", *[int(20000 * math.sin(0.1 * k)) for k in range(12000)])
     fmt = struct.pack("<4sIHHIIHH", b"fmt ", 16, 1, 1, 4000, 8000, 2, 16)
-    (tmp_path / "long.wav").write_bytes(b"RIFF" + struct.pack("<I", 36 + len(data)) + b"WAVE" + fmt + b"data" + struct.pack("<I", len(data)) + data)
+
+    def wav(part):
+        return b"RIFF" + struct.pack("<I", 36 + len(part)) + b"WAVE" + fmt + b"data" + struct.pack("<I", len(part)) + part
+
+    (tmp_path / "long.wav").write_bytes(wav(data))
     refuse(tmp_path, ["compile", "--shape", "point", "--am", "wav:long.wav", "--array", "tile-10x10", "--board", "tile-100-wide", "-o", "no.hex"], BAD_INPUT, outputs=["no.hex"])
+    # A board without a memory for modulation plays it as sequence entries.
+    (tmp_path / "short.wav").write_bytes(wav(data[:2000]))
+    image_of(tmp_path, "--shape", "point", "--am", "wav:short.wav")
+    refuse(tmp_path, ["compile", "--shape", "point", "--am", "wav:long.wav", "-o", "no.hex"], BAD_INPUT, outputs=["no.hex"])

@@ -21,6 +21,8 @@
 #include "haptogram/format/image.hpp"
 #include "haptogram/format/pulses.hpp"
 #include "haptogram/format/waveform.hpp"
+#include "haptogram/formats/readers.hpp"
+#include "haptogram/hand/joints.hpp"
 #include "haptogram/hand/recording.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/live/depth_source.hpp"
@@ -66,7 +68,29 @@ void manifest(const std::string& content) { static_cast<void>(to_text(manifest_f
 void ply(const std::string& content) { static_cast<void>(as_shape(read_ply(content, "fuzz"), "fuzz")); }
 void obj(const std::string& content) { static_cast<void>(as_shape(read_obj(content, "fuzz"), "fuzz")); }
 void stl(const std::string& content) { static_cast<void>(as_shape(read_stl(content, "fuzz"), "fuzz")); }
-void off(const std::string& content) { static_cast<void>(as_shape(read_off(content, "fuzz"), "fuzz")); }
+void off(const std::string& content) {
+    static_cast<void>(as_shape(formats::read_off({content, "fuzz", false}), "fuzz"));
+}
+void pcd(const std::string& content) {
+    static_cast<void>(as_shape(formats::read_pcd({content, "fuzz", false}), "fuzz"));
+}
+void gltf(const std::string& content) {
+    static_cast<void>(as_shape(formats::read_gltf({content, "fuzz", false}), "fuzz"));
+}
+void svg(const std::string& content) {
+    static_cast<void>(as_shape(formats::read_svg({content, "fuzz", false}), "fuzz"));
+}
+
+void three_mf(const std::string& content) {
+    static_cast<void>(as_shape(formats::read_three_mf({content, "fuzz", false}), "fuzz"));
+}
+/// As each of the models in one.
+void three_mf_model(const std::string& content) {
+    const formats::Parts part = [&content](const std::string& name) -> std::optional<std::string> {
+        return name == "_rels/.rels" ? "<r><r Type='/3dmodel' Target='a'/></r>" : content;
+    };
+    static_cast<void>(as_shape(formats::read_three_mf_parts(part, "fuzz"), "fuzz"));
+}
 void xyz(const std::string& content) { static_cast<void>(as_shape(read_rows(content, "fuzz", false), "fuzz")); }
 void csv(const std::string& content) { static_cast<void>(as_shape(read_rows(content, "fuzz", true), "fuzz")); }
 
@@ -101,6 +125,7 @@ void adaptics(const std::string& content) {
 }
 void wav(const std::string& content) { static_cast<void>(wave_from_wav(content, "fuzz")); }
 void leap(const std::string& content) { static_cast<void>(recording_from_leap(content, "fuzz")); }
+void joints(const std::string& content) { static_cast<void>(recording_from_joints(content, "fuzz")); }
 void leap_message(const std::string& content) { static_cast<void>(frame_from_leap_message(content, "fuzz")); }
 
 /// What a writer wrote, read again: to refuse that is a finding.
@@ -205,6 +230,11 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"obj", obj},
                                                                      {"stl", stl},
                                                                      {"off", off},
+                                                                     {"pcd", pcd},
+                                                                     {"gltf", gltf},
+                                                                     {"svg", svg},
+                                                                     {"three_mf", three_mf},
+                                                                     {"three_mf_model", three_mf_model},
                                                                      {"xyz", xyz},
                                                                      {"csv", csv},
                                                                      {"array", array},
@@ -215,6 +245,7 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"adaptics", adaptics},
                                                                      {"wav", wav},
                                                                      {"leap", leap},
+                                                                     {"joints", joints},
                                                                      {"depth_png", depth_png},
                                                                      {"cameras", cameras},
                                                                      {"message", message},

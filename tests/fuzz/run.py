@@ -20,8 +20,11 @@ from pathlib import Path
 from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
-TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "off", "xyz", "csv", "array", "board", "project",
-           "path", "path_csv", "adaptics", "wav", "leap", "leap_message", "depth_png", "cameras", "depth_pipe", "message")  # fmt: skip
+sys.path.insert(0, str(ROOT / "tests/cli"))
+import brought_shapes  # noqa: E402
+
+TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "off", "pcd", "gltf", "svg", "three_mf", "three_mf_model", "xyz", "csv", "array", "board", "project",
+           "path", "path_csv", "adaptics", "wav", "leap", "leap_message", "joints", "depth_png", "cameras", "depth_pipe", "message")  # fmt: skip
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 SOUND_CAMERAS = b"""format = "haptogram-depth-1"
 rate_hz = 30
@@ -38,6 +41,8 @@ right = [1, 0, 0]
 forward = [0, 0.6, 0.8]
 """
 SMALL_CAMERAS = SOUND_CAMERAS.replace(b"640", b"4").replace(b"480", b"3")
+JOINTS = ("wrist", "palm", "index_proximal", "middle_proximal", "little_proximal", "index_intermediate", "index_distal", "index_tip",
+          *(f"thumb_{bone}" for bone in ("metacarpal", "proximal", "distal", "tip")), *(f"{finger}_{bone}" for finger in ("middle", "little") for bone in ("intermediate", "distal", "tip")))  # fmt: skip
 SOUND_HANDS = {
     "timestamp": 5,
     "hands": [{"id": 7, "type": "left", "palmPosition": [1, 200, 30], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [9, 0, 0]}],
@@ -125,6 +130,24 @@ def sound_messages():
     return found + [{"t": kind, "n": 4, **members} for kind, members in others.items()]
 
 
+def brought():
+    """Clouds of cameras, a model of two parts, scenes, and a drawing of every command."""
+    points = [tuple(map(float, p)) for p in CUBE]
+    faces, corners = [(0, 1, 2), (1, 2, 3)], [0, 1, 2, 1, 2, 3]
+    parts = (f'<object id="1">{brought_shapes.mesh_xml(points, faces)}</object><object id="2"><components><component objectid="1" transform="0 1 0 -1 0 0 0 0 2 1 2 3"/>'
+             '<component objectid="1"/></components></object>')  # fmt: skip
+    model = brought_shapes.model_xml(parts, '<item objectid="2"/>', "inch")
+    nodes = [{"children": [1], "translation": [1, 2, 3], "rotation": [0, 0.6, 0, 0.8]}, {"mesh": 0, "matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1]}]
+    drawing = ('<g transform="translate(1 2) scale(2) rotate(30 1 1) skewX(5) matrix(1 0 0 1 2 3)" fill="none" stroke="#000"><path id="p" d="M1 2h3v4l5-6C1 2 3 4 5 6s1 2 3 4Q1 2 3 4t5 6A3 2 30 0 1 8 9z"/></g>'
+               '<rect width="9" height="8" rx="2"/><circle r="3"/><ellipse rx="3" ry="2"/><line x1="1"/><polyline points="1 2 3 4"/><polygon points="1,2 3,4 5,6"/><use href="#p" x="3"/>')  # fmt: skip
+    return {
+        "pcd": [brought_shapes.pcd(points, data, extra=extra) for data in ("ascii", "binary", "binary_compressed") for extra in (False, True)],
+        "three_mf": [brought_shapes.three_mf(model)], "three_mf_model": [model.encode()],
+        "gltf": [brought_shapes.gltf(points, corners, buffer, mode, nodes)[0] for buffer in ("embedded", "glb") for mode in (1, 4, 5)],
+        "svg": [brought_shapes.svg(drawing), brought_shapes.svg('<path d="M0 0a1 1 0 0 1 2 2"/>', 'width="3in" viewBox="0 0 9 9"')],
+    }  # fmt: skip
+
+
 def seeds(program):
     """Small sound files, each of another kind."""
     rows = "".join(f"{x} {y} {z}\n" for x, y, z in CUBE)
@@ -145,6 +168,7 @@ def seeds(program):
         "stl": [b"\0" * 80 + struct.pack("<I", 1) + facet,
                 b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"],
         "off": [b"OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n", b"COFF 1 0 0\n# a point\n1 2 3 255 0 0 255\n"],
+        **brought(),
         "xyz": [rows.encode(), b"# points\n1.5e1 -2 .3 7\n"],
         "csv": [b"x,y,z\n1,2,3\n", b"a;z;y;x\n0;1;2;3\n"],
         "array": [path.read_bytes() for path in sorted((ROOT / "host/arrays").glob("*.toml"))],
@@ -163,6 +187,8 @@ def seeds(program):
         "leap": [b'{"frames": [["timestamp", {"hands": [["type", "id", "palmVelocity", "palmPosition", "palmNormal", "direction"]]}, {"pointables": [["handId", "id",'
                  b' "tipPosition", "dipPosition", "pipPosition", "mcpPosition"]]}], [5, [["left", 7, [10, 0, 0], [1, 200, 30], [0, -1, 0], [0, 0, -1]]],'
                  b' [[7, 71, [0, 200, -85], [0, 200, -65], [0, 200, -40], [0, 200, 0]]]]]}', b"BYUwNmD2A0AECWsCGBbZtDUzkAA="],
+        "joints": [json.dumps({"time_s": 0.5, "hands": [{"side": side, "joints_m": {name: [0.01 * k, 0.2, 0.1 - 0.01 * k * k] for k, name in enumerate(JOINTS)}, **more}]}).encode()
+                   for side, more in (("right", {"id": 3}), ("left", {"normal": [0, -1, 0], "direction": [0, 0, -1], "velocity_m_s": [1, 2, 3], "widths_m": [0.01] * 5, "grab": 1}))],
         "leap_message": [json.dumps(SOUND_HANDS).encode(), b'{"serviceVersion": "5.0", "version": 6}'],
         "depth_pipe": [SMALL_CAMERAS + b"\0" + struct.pack("<4sIQd12H", b"SHOT", 1, 3, 0.1, *range(12)) + struct.pack("<4sIQd", b"SHOT", 0, 4, 0.2)],
         "message": [json.dumps(each).encode() for each in sound_messages()],

@@ -87,6 +87,12 @@ def test_a_hand_where_hands_are_left_out_says_so(without_both, work):
     assert not (work / "hand.hex").exists()
 
 
+@pytest.mark.deep
+def test_a_format_where_formats_are_left_out_says_so(without_both, work):
+    (work / "cloud.pcd").write_text("# .PCD v0.7\n")
+    assert "the extra formats" in says(without_both, work, "compile", "cloud.pcd", "-o", "cloud.hex", expect=USAGE)
+
+
 def test_extras_that_are_not_there_or_needed_by_tests(work):
     assert "there is no extra 'unity'" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTRAS=unity", expect=1).stderr.split())
     assert "the tests need all" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTRAS=live", expect=1).stderr.split())

@@ -10,6 +10,7 @@
 #include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/formats/readers.hpp"
 #include "haptogram/shape/import.hpp"
 
 using namespace haptogram;
@@ -19,7 +20,7 @@ namespace {
 const std::filesystem::path data = std::filesystem::path(test_data()) / "shapes";
 
 Piece read(const std::string& content, ShapeFormat format, double unit = 1.0) {
-    const Shape shape = load_shape(content, format, "a shape", unit);
+    const Shape shape = load_shape({content, "a shape", false}, format, unit, formats::readers());
     REQUIRE(shape.pieces.size() == 1);
     return shape.pieces.front();
 }
@@ -32,7 +33,7 @@ Mesh read_mesh(const std::string& content, ShapeFormat format, double unit = 1.0
 
 Error refusal(const std::string& content, ShapeFormat format) {
     try {
-        (void)load_shape(content, format, "a shape", 1.0);
+        (void)load_shape({content, "a shape", false}, format, 1.0, formats::readers());
     } catch (const Error& error) {
         CHECK(error.code() == ErrorCode::bad_input);
         CHECK_REFUSAL(heard::Refusal(error));
@@ -262,12 +263,13 @@ TEST_CASE("a content without a name tells its format", "[shape][forms]") {
     }
     CHECK_REFUSED(shape_format("a shopping list", "-"));
     CHECK_REFUSAL(heard::Refusal(refusal("\n<!DOCTYPE html>\n", ShapeFormat::stl)));
+    CHECK_REFUSED(load_shape({"# .PCD v0.7\n", "cloud.pcd", false}, ShapeFormat::pcd, 1.0));  // read by an extra
 }
 
 TEST_CASE("a shape with y upwards is stood up", "[shape][forms]") {
     CHECK(has_y_up_by_habit("# Blender v2.80 (sub 75) OBJ File\nv 0 0 0\n"));
     CHECK_FALSE(has_y_up_by_habit("# by hand\no Blender\nv 0 0 0\n"));
-    const Shape lying = load_shape("v 1 2 3\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ShapeFormat::obj, "a shape", 1.0);
+    const Shape lying = load_shape({"v 1 2 3\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a shape", false}, ShapeFormat::obj, 1.0);
     CHECK(std::get<Mesh>(stood_up(lying).pieces.front()).vertices.front() == Vec3{1, -3, 2});
 }
 
@@ -278,7 +280,7 @@ TEST_CASE("shapes are read from memory under a name of the caller's", "[shape][f
     for (const char* const name :
          {"trimesh_little.ply", "trimesh.obj", "trimesh_binary.stl", "trimesh_cloud.xyz", "numpy_header.csv"}) {
         CAPTURE(name);
-        const Shape here = load_shape(read_file(data / name), shape_format(name), "an upload", millimetre);
+        const Shape here = load_shape({read_file(data / name), "an upload", false}, shape_format(name), millimetre);
         const Shape there = load_shape(data / name, millimetre);
         REQUIRE(here.pieces.size() == 1);
         CHECK(here.pieces.front().index() == there.pieces.front().index());
@@ -293,7 +295,7 @@ TEST_CASE("shapes are read from memory under a name of the caller's", "[shape][f
     CHECK(refusal("1 2 3\n1 2\n", ShapeFormat::xyz).where() == "a shape, line 2");
     for (const double unit : {0.0, -1e-3, std::numeric_limits<double>::infinity()}) {
         try {
-            (void)load_shape("1 2 3\n", ShapeFormat::xyz, "a shape", unit);
+            (void)load_shape({"1 2 3\n", "a shape", false}, ShapeFormat::xyz, unit);
             FAIL("no error for " << unit);
         } catch (const Error& error) {
             CHECK(error.code() == ErrorCode::bad_argument);
@@ -332,7 +334,7 @@ TEST_CASE("pixels that a depth camera has not seen are no points", "[shape][form
     REQUIRE(clean.size() == 60);
     for (const std::string& unseen : {times(200, "0 0 0\n"), times(5, "3 4 -700\n"), times(7, "nan NaN nan\n")}) {
         CAPTURE(unseen);
-        const Shape shape = load_shape(unseen + ring(), ShapeFormat::xyz, "a scan", 1.0);
+        const Shape shape = load_shape({unseen + ring(), "a scan", false}, ShapeFormat::xyz, 1.0);
         CHECK(std::get<Cloud>(shape.pieces.front()).points == clean);
         REQUIRE(shape.remarks.size() == 1);
         CHECK_SAID(shape.remarks.front());
@@ -351,14 +353,14 @@ TEST_CASE("pixels that a depth camera has not seen are no points", "[shape][form
 }
 
 TEST_CASE("a first column that counts is told of", "[shape][forms][rows]") {
-    const Shape counted = load_shape(ring("", true), ShapeFormat::xyz, "a cloud", 1.0);
+    const Shape counted = load_shape({ring("", true), "a cloud", false}, ShapeFormat::xyz, 1.0);
     REQUIRE(counted.remarks.size() == 1);
     CHECK_SAID(counted.remarks.front());
-    const Shape named = load_shape("n x y z\n" + ring("", true), ShapeFormat::xyz, "a cloud", 1.0);
+    const Shape named = load_shape({"n x y z\n" + ring("", true), "a cloud", false}, ShapeFormat::xyz, 1.0);
     CHECK(named.remarks.empty());
     CHECK(std::get<Cloud>(named.pieces.front()).points == cloud_of(ring(), ShapeFormat::xyz));
-    CHECK(load_shape("1 0 130\n2 0 130\n3 0 130\n", ShapeFormat::xyz, "a line", 1.0).remarks.empty());
-    CHECK(load_shape("1 0 130 7\n2 0 130 7\n4 0 130 7\n", ShapeFormat::xyz, "a line", 1.0).remarks.empty());
+    CHECK(load_shape({"1 0 130\n2 0 130\n3 0 130\n", "a line", false}, ShapeFormat::xyz, 1.0).remarks.empty());
+    CHECK(load_shape({"1 0 130 7\n2 0 130 7\n4 0 130 7\n", "a line", false}, ShapeFormat::xyz, 1.0).remarks.empty());
 }
 
 TEST_CASE("rows as spreadsheets and other programs write them", "[shape][forms][rows]") {
@@ -379,7 +381,7 @@ TEST_CASE("rows as spreadsheets and other programs write them", "[shape][forms][
         CHECK(cloud_of(xyz, ShapeFormat::xyz) == points);
     }
     const std::string in_mm = "x_mm,y_mm,z_mm\n1.5,-2,3\n4,5,6.25\n";
-    const Shape named = load_shape(in_mm, ShapeFormat::csv, "named", millimetre);
+    const Shape named = load_shape({in_mm, "named", false}, ShapeFormat::csv, millimetre);
     CHECK(std::get<Cloud>(named.pieces.front()).points.front() == millimetre * points.front());
     refusal(in_mm, ShapeFormat::csv);  // as metres
     refusal("3\n1 2 3\n4 5 6\n", ShapeFormat::xyz);
@@ -416,12 +418,12 @@ TEST_CASE("lines of OBJ are curves, and beside faces left out with a word", "[sh
     CHECK(outline.closed);
     CHECK(outline.length == Approx(12.0));
     CHECK(distance(outline.at(5.0), {3.0, 2.0, 0.0}) < 1e-12);
-    const Shape open = load_shape(vertices + "l 1/1 2/2\nl -1 -2\n", ShapeFormat::obj, "lines", millimetre);
+    const Shape open = load_shape({vertices + "l 1/1 2/2\nl -1 -2\n", "lines", false}, ShapeFormat::obj, millimetre);
     REQUIRE(open.pieces.size() == 2);
     CHECK(std::get<Curve>(open.pieces[1]).length == Approx(4e-3));
     CHECK_FALSE(std::get<Curve>(open.pieces[0]).closed);
     CHECK(distance(std::get<Curve>(stood_up(open).pieces[1]).at(0.0), {3e-3, 0.0, 4e-3}) < 1e-12);
-    const Shape beside = load_shape(vertices + "f 1 2 3\nl 1 3\n", ShapeFormat::obj, "a face", 1.0);
+    const Shape beside = load_shape({vertices + "f 1 2 3\nl 1 3\n", "a face", false}, ShapeFormat::obj, 1.0);
     CHECK(std::get<Mesh>(beside.pieces.front()).triangles.size() == 1);
     REQUIRE(beside.remarks.size() == 1);
     CHECK_SAID(beside.remarks.front());

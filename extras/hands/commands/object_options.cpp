@@ -17,12 +17,14 @@ void add_mm(CLI::App& command, const std::string& name, double& metres, const st
 }
 
 std::string object_words() {
-    return fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface", fmt::join(object_kinds(), ", "));
+    return fmt::format("{}, or a mesh file (PLY, OBJ, STL, OFF, 3MF, glTF) of a closed surface",
+                       fmt::join(object_kinds(), ", "));
 }
 
 ObjectSource object_of(const ObjectArguments& object) {
     ObjectSource source;
     source.name = object.name;
+    source.readers = path_makers().readers;
     object.given.require_effect(source, "the object is " + (names_mesh(source) ? "a mesh file" : source.name));
     object.given.put(source);
     return source;

@@ -186,10 +186,11 @@ void check_options(const LiveCommand& command, bool hands) {
                                          : "a tracker's hands",
                    "the source");
     if (!hands && !command.has_rings() && command.algorithm != "L")
-        throw bad_argument("algorithm",
-                           fmt::format("{} draws on the skin of a hand whose bones are known; depth takes ring, still "
-                                       "or L, or take a tracker (leap-pipe:, leap:, poses:, synthetic:)",
-                                       command.algorithm));
+        throw bad_argument(
+            "algorithm",
+            fmt::format("{} draws on the skin of a hand whose bones are known; depth takes ring, still "
+                        "or L, or take a tracker (leap-pipe:, joints-pipe:, leap:, joints:, poses:, synthetic:)",
+                        command.algorithm));
     if (hands && !command.record.empty())
         throw bad_argument("record", "is of cameras' pictures; a tracker's frames are recorded by its own program");
     if (!command.scene_in.empty() && (!hands || command.has_rings()))
@@ -200,7 +201,9 @@ void check_options(const LiveCommand& command, bool hands) {
         throw bad_argument("from", "standard input can be that of one source alone; give the others named pipes");
     if (command.from.size() > 1 && !command.record.empty())
         throw bad_argument("record", "keeps the pictures of one source; take one");
-    if (command.scene_in == "-" && std::ranges::find(command.from, "leap-pipe:-") != command.from.end())
+    if (command.scene_in == "-" && std::ranges::any_of(command.from, [](const std::string& name) {
+            return name.find("-pipe:-") != std::string::npos;
+        }))
         throw bad_argument("scene-in", "standard input has the tracker's frames; give the lines a named pipe");
     require_simulated(command);
     std::vector<NamedPath> inputs;
@@ -384,7 +387,8 @@ void add_live(CLI::App& app, Action& action) {
                     "Given again, several at a time: "
                     "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
                     "haptogram-realsense, on standard input or a named pipe), leap-pipe:- (hands from haptogram-leap), "
-                    "leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them; @MOUNTING behind a "
+                    "joints-pipe:- (hands of any tracker, as extras/hands/README.md has them), leap:FILE, joints:FILE, "
+                    "poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them; @MOUNTING behind a "
                     "file, from align, says where the tracker is), fingers:press (scripted fingers, which simulated "
                     "cameras see)");
     std::vector<std::string> algorithms = rings;

@@ -10,6 +10,7 @@
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "live_board.hpp"
+#include "port.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -67,6 +68,7 @@ std::unique_ptr<LiveBoard> open_live_board(const RigPorts& ports, const std::opt
     if (!rig || !has_boards(ports, *rig)) {
         const link::PortSettings port = ports.one();
         if (own_time) return reference_board(configuration_of(port.port));
+        warn_of_latency(port.port);
         return std::make_unique<PortBoard>(port);
     }
     if (!own_time) return std::make_unique<PortRig>(*rig, ports, settings);

@@ -161,6 +161,7 @@ int explore(ExploreCommand command) {
     command.object.angles_deg = parse_three("rotate", command.object_angles, "degrees");
     if (command.size_mm) command.object.size_m = *command.size_mm * millimetre;
     if (command.height_mm) command.object.height_m = *command.height_mm * millimetre;
+    command.object.readers = path_makers().readers;
     command.scene.object = open_object(command.object);
     command.scene.surface.height_m = command.surface_mm * millimetre;
     command.scene.surface.cell_m = command.cell_mm * millimetre;
@@ -226,9 +227,9 @@ void add_robot_explore(CLI::App& robot, Action& action) {
         "or the pins of the simulated board are not as asked");
     ExploreScene& scene = command->scene;
     command->object.name = "cube";
-    sub->add_option(
-           "object", command->object.name,
-           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface", fmt::join(object_kinds(), ", ")))
+    sub->add_option("object", command->object.name,
+                    fmt::format("{}, or a mesh file (PLY, OBJ, STL, OFF, 3MF, glTF) of a closed surface",
+                                fmt::join(object_kinds(), ", ")))
         ->capture_default_str();
     sub->add_option("--size", command->size_mm,
                     "Edge or diameter of the object, largest extent of a mesh, mm (default: 100, a mesh as it is)")

@@ -76,6 +76,7 @@ int scatter(const ScatterCommand& command) {
     source.body.radius_m = in_metres(command.radius_mm);
     source.body.length_m = in_metres(command.length_mm);
     source.body.edge_m = in_metres(command.edge_mm);
+    source.body.readers = path_makers().readers;
     source.body.metres_per_unit = metres_per_unit(command.unit);
     if (!command.center.empty()) source.body.placement.center = parse_point_mm("center", command.center);
     const Vec3 angles = parse_three("rotate", command.rotate, "degrees");
@@ -98,7 +99,8 @@ void add_scatter(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "scatter", "Sound and radiation pressure on the skin of a rigid body, such as a finger, by boundary elements");
     sub->add_option("body", options->source.body.name,
-                    "A closed mesh (.ply, .obj or .stl), or a built-in body: sphere, or finger, a cylinder with round "
+                    "A closed mesh (.ply, .obj, .stl, .off, .3mf, .gltf or .glb), or a built-in body: sphere, or "
+                    "finger, a cylinder with round "
                     "ends along z")
         ->required();
     auto* focus = sub->add_option("--focus", options->foci,

@@ -48,7 +48,8 @@ void add_studio(CLI::App& app, Action& action) {
                                        "Author a tactile object in the browser, see its field, play it on a board; "
                                        "prints the address, which only works on this machine. Ctrl-C ends it");
     sub->add_option("project", options->studio.project,
-                    "Project, bundle or shape (PLY, OBJ, STL, XYZ) that the page begins with (default: an example)");
+                    "Project, bundle or shape (PLY, OBJ, STL, OFF, PCD, 3MF, glTF, SVG, XYZ) that the page begins with "
+                    "(default: an example)");
     sub->add_option("--port", options->studio.port,
                     fmt::format("Port of the page (default: {}, or one that is free)", studio::usual_port));
     sub->add_option("--page", options->studio.page, "Folder of the built page, for those who work on it");

@@ -19,6 +19,9 @@
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/level.hpp"
+#ifdef HAPTOGRAM_HAS_FORMATS
+#include "haptogram/formats/readers.hpp"
+#endif
 
 namespace haptogram::studio {
 namespace {
@@ -152,8 +155,7 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
 }
 
 void Scenes::open(const std::filesystem::path& path) {
-    if (const std::string ending = ending_of(path);
-        ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".xyz") {
+    if (const std::string ending = ending_of(path); ending != ".csv" && has_shape_ending(path.string())) {
         const std::string name = path.filename().string();
         add_file(name, read_file(path));
         const std::lock_guard lock(mutex_);
@@ -246,6 +248,9 @@ std::vector<std::string> Scenes::needed_files(const Project& project) const {
 Project Scenes::project_of(const std::string& text, std::string& identity) const {
     Project project = project_from_toml(text, "project");
     project.makers = path_makers();
+#ifdef HAPTOGRAM_HAS_FORMATS
+    project.makers.readers = formats::readers();
+#endif
     const std::lock_guard lock(mutex_);
     project.folder = opened_.folder;
     identity = text;
@@ -304,6 +309,7 @@ std::shared_ptr<const What> Scenes::opened(Opened<What>& known, const std::strin
 /// @param identity  gets the hashes of its files
 std::shared_ptr<const DrawnObject> Scenes::open_hand(Project& project, std::string& identity) {
     HandSource& hand = *project.hand;
+    hand.object.readers = project.makers.readers;
     std::string hashes;
     for (const std::string& file : files_of(hand)) hashes += hash_of(file);
     identity += hashes;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace haptogram {
 
@@ -18,6 +19,11 @@ inline constexpr std::size_t most_bundled_bytes = 256 * 1024 * 1024;  ///< of on
 /// @throws Error{bad_input} when the bundle cannot be read, has no such file, or the file is larger than a bundle's may
 /// be or than the bundle says
 [[nodiscard]] std::optional<std::string> read_bundled(const std::filesystem::path& path);
+
+/// The content of a file in a zip file that is in memory, whatever the case of its name; none when it has no such file.
+/// @throws Error{bad_input} as read_bundled()
+[[nodiscard]] std::optional<std::string> read_zipped(std::string_view zip, const std::string& inside,
+                                                     const std::string& where);
 
 /// A file that a file in `folder` names. What lies in a bundle, or in a folder that is called like one, may name files
 /// in it alone.

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 #include <unzip.h>
 
+#include <cstdio>
 #include <memory>
 #include <type_traits>
 
@@ -37,20 +38,20 @@ std::string unpacked(unzFile archive, const std::string& where) {
     unz_file_info64 info = {};
     if (unzGetCurrentFileInfo64(archive, &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK ||
         unzOpenCurrentFile(archive) != UNZ_OK)
-        throw bad_input(where, "cannot be unpacked; make the bundle again, without a password");
+        throw bad_input(where, "cannot be unpacked; make the zip file again, without a password");
     if (info.uncompressed_size > most_bundled_bytes)
-        throw bad_input(where, fmt::format("{} bytes are more than the {} that a file in a bundle may have; name it in "
-                                           "a project file instead",
+        throw bad_input(where, fmt::format("{} bytes are more than the {} that a file in a zip file may have; bring "
+                                           "it unpacked",
                                            info.uncompressed_size, most_bundled_bytes));
     // One byte more than it should have, to see whether there is more than the bundle says.
     std::string content(static_cast<std::size_t>(info.uncompressed_size) + 1, '\0');
     std::size_t size = 0;
     for (int count = 1; count > 0 && size < content.size(); size += static_cast<std::size_t>(count)) {
         count = unzReadCurrentFile(archive, content.data() + size, static_cast<unsigned>(content.size() - size));
-        if (count < 0) throw bad_input(where, "its packed bytes are damaged; make the bundle again");
+        if (count < 0) throw bad_input(where, "its packed bytes are damaged; make the zip file again");
     }
     if (size != info.uncompressed_size || unzCloseCurrentFile(archive) != UNZ_OK)
-        throw bad_input(where, fmt::format("it has other bytes than the {} that the bundle says; make the bundle again",
+        throw bad_input(where, fmt::format("it has other bytes than the {} that the zip file says; make that again",
                                            info.uncompressed_size));
     content.resize(size);
     return content;
@@ -71,6 +72,26 @@ std::optional<std::string> read_bundled(const std::filesystem::path& path) {
                                                    "the top, and all files that it names",
                                                    place->inside.string()));
     return unpacked(archive.get(), path.string());
+}
+
+std::optional<std::string> read_zipped(std::string_view zip, const std::string& inside, const std::string& where) {
+    zlib_filefunc64_def files{};
+    fill_fopen64_filefunc(&files);
+    files.opaque = &zip;
+    files.zopen64_file = [](voidpf bytes, const void*, int) -> voidpf {
+        const auto& content = *static_cast<const std::string_view*>(bytes);
+        std::FILE* const file = std::tmpfile();
+        if (file != nullptr) {
+            std::fwrite(content.data(), 1, content.size(), file);
+            std::rewind(file);
+        }
+        return file;
+    };
+    const Archive archive(unzOpen2_64(where.c_str(), &files));
+    if (!archive) throw bad_input(where, "it is no zip file, or a damaged one; export or download it again");
+    constexpr int without_case = 2;
+    if (unzLocateFile(archive.get(), inside.c_str(), without_case) != UNZ_OK) return {};
+    return unpacked(archive.get(), where + "/" + inside);
 }
 
 }  // namespace haptogram

@@ -2,6 +2,8 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
 
 /// What each operating system does with a serial port in its own way, beside what Boost.Asio does:
 /// serial_line_posix.cpp and serial_line_windows.cpp have the same functions. Where one fails, errno says why.
@@ -22,6 +24,11 @@ void forget(SerialHandle port, bool also_received);
 bool hold_break(SerialHandle port, bool on);
 /// Waits until it may take bytes, at most so long. @return whether it may, or has an error to tell
 [[nodiscard]] bool wait_to_write(SerialHandle port, std::chrono::milliseconds patience);
+
+/// Has a USB adapter send on what it received at once, instead of collecting it: FTDI's collect for 16 ms.
+void ask_for_low_latency(SerialHandle port, const std::string& path);
+/// For how many ms the adapter of a port collects what it received; nothing where that is not known.
+[[nodiscard]] std::optional<unsigned> latency_ms(const std::string& path);
 
 /// The rate of a port, or of the terminal whose master this is; 0 when it has none.
 [[nodiscard]] std::uint32_t baud_rate(SerialHandle port);

@@ -4,8 +4,15 @@
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
+
+#include <filesystem>
+#include <fstream>
+#include <system_error>
 #ifdef __APPLE__
 #include <IOKit/serial/ioss.h>
+#endif
+#ifdef __linux__
+#include <linux/serial.h>
 #endif
 
 #include "haptogram/link/serial_line.hpp"
@@ -24,6 +31,33 @@ bool hold_break(SerialHandle port, bool on) { return ::ioctl(port, on ? TIOCSBRK
 bool wait_to_write(SerialHandle port, std::chrono::milliseconds patience) {
     pollfd wait{port, POLLOUT, 0};
     return ::poll(&wait, 1, static_cast<int>(patience.count())) > 0;
+}
+
+namespace {
+
+/// Where the kernel says how long an adapter waits; it has none for others.
+std::string latency_file(const std::string& path) {
+    std::error_code ignored;  // what is no file has no name there either
+    return "/sys/class/tty/" + std::filesystem::canonical(path, ignored).filename().string() + "/device/latency_timer";
+}
+
+}  // namespace
+
+std::optional<unsigned> latency_ms(const std::string& path) {
+    unsigned milliseconds = 0;
+    if (std::ifstream(latency_file(path)) >> milliseconds) return milliseconds;
+    return {};
+}
+
+void ask_for_low_latency([[maybe_unused]] SerialHandle port, const std::string& path) {
+#ifdef __linux__
+    serial_struct settings{};
+    if (::ioctl(port, TIOCGSERIAL, &settings) == 0) {
+        settings.flags |= ASYNC_LOW_LATENCY;
+        ::ioctl(port, TIOCSSERIAL, &settings);
+    }
+#endif
+    if (latency_ms(path).value_or(1) > 1) std::ofstream(latency_file(path)) << 1;  // where this user may
 }
 
 #ifdef __APPLE__

@@ -36,4 +36,8 @@ std::uint32_t set_baud_rate(SerialHandle port, std::uint32_t baud) {
     return 0;
 }
 
+void ask_for_low_latency(SerialHandle, const std::string&) {}
+
+std::optional<unsigned> latency_ms(const std::string&) { return {}; }
+
 }  // namespace haptogram::link

@@ -56,6 +56,7 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     } catch (const boost::system::system_error& refused) {
         throw port_->error(fmt::format("it cannot be set to 8N1: {}; is it a serial port?", refused.code().message()));
     }
+    ask_for_low_latency(serial.native_handle(), path);
     forget(serial.native_handle(), true);  // answers to the questions of an earlier user
     const std::uint32_t rate = set_baud_rate(serial.native_handle(), baud);
     // An 8N1 line works while the rates of both ends differ by less than some 4 %.

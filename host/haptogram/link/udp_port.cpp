@@ -254,7 +254,9 @@ std::optional<AboutBoard> UdpPort::ask(std::chrono::microseconds patience) {
 
 std::string UdpPort::why_silent() {
     const auto about = ask(std::chrono::milliseconds(50));
-    if (!about) return "check the network's cable and the address; 'haptogram device list --net' shows the boards";
+    if (!about)
+        return "a board that has just got power needs some seconds for its link: try again, or check the network's "
+               "cable and the address; 'haptogram device list --net' shows the boards";
     if (about->held)
         return "the board is there, but another program holds it until that has been silent for a second; 'haptogram "
                "device disable' works for anybody";

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,8 @@ namespace haptogram {
 /// What a shape file holds, in the file's unit: vertices, and faces of three or more corners.
 struct Polygons {
     std::vector<Vec3> vertices;
-    bool in_mm = false;                              ///< the names of its columns say so
+    std::optional<double> own_unit_m;                ///< when the file says itself what a 1 in it means
+    std::string beside;                              ///< contents of other files that it is read from
     std::size_t unseen = 0;                          ///< points of NaN, which are no vertices
     std::vector<std::string> remarks;                ///< sentences on what was stepped over or may be meant otherwise
     std::vector<std::uint32_t> corners;              ///< indices into `vertices`, one face after another
@@ -36,6 +38,9 @@ struct Polygons {
 /// @throws Error{bad_input} for no vertices, for faces that have no area, and for a curve without length
 [[nodiscard]] Shape as_shape(Polygons polygons, const std::string& name);
 
+/// Takes three coordinates off the front of a line's rest. @throws Error{bad_input} with `where`
+[[nodiscard]] Vec3 take_point(std::string_view& rest, const std::string& where);
+
 // Each of these reads a whole file of one format, to its last byte, in the file's unit.
 // `name` is what messages call the file.
 // They throw Error{bad_input} that names the file, the line or record, what was found and what was expected.
@@ -43,7 +48,6 @@ struct Polygons {
 [[nodiscard]] Polygons read_ply(std::string_view content, const std::string& name);
 [[nodiscard]] Polygons read_obj(std::string_view content, const std::string& name);
 [[nodiscard]] Polygons read_stl(std::string_view content, const std::string& name);
-[[nodiscard]] Polygons read_off(std::string_view content, const std::string& name);
 
 /// Rows of columns, with white space, commas, semicolons or tabs between them, as the first row has them. The first row
 /// may name the columns, as x, x_mm or Points:0 and so on; otherwise x, y and z come first. A line with one number

@@ -18,16 +18,20 @@
 namespace haptogram {
 namespace {
 
-Polygons read(std::string_view content, ShapeFormat format, const std::string& name) {
+Polygons read(const ShapeFile& file, ShapeFormat format, const ShapeReaders& readers) {
+    const auto& [content, name, on_disk] = file;
     switch (format) {
         case ShapeFormat::csv: return read_rows(content, name, true);
         case ShapeFormat::obj: return read_obj(content, name);
-        case ShapeFormat::off: return read_off(content, name);
         case ShapeFormat::ply: return read_ply(content, name);
         case ShapeFormat::stl: return read_stl(content, name);
         case ShapeFormat::xyz: return read_rows(content, name, false);
+        default: break;
     }
-    throw bad_argument("format", "is none of the shape formats; choose one of ShapeFormat");
+    if (const auto found = readers.find(format); found != readers.end()) return found->second(file);
+    throw bad_argument(name,
+                       "the extra formats reads such files, and this build leaves it out; build with "
+                       "-DHAPTOGRAM_EXTRAS=all, or export the shape as .ply, .stl, .obj or .csv");
 }
 
 /// The beginning of a text, in small letters, without what is blank before it.
@@ -58,12 +62,18 @@ ShapeFormat shape_format(std::string_view content, const std::string& name) {
     const std::string begin = first_words(content);
     if (begin.starts_with("ply")) return ShapeFormat::ply;
     if (begin.starts_with("off") || begin.starts_with("coff")) return ShapeFormat::off;
+    if (content.starts_with("PK\3\4")) return ShapeFormat::three_mf;
+    if (content.starts_with("glTF") || begin.starts_with('{')) return ShapeFormat::gltf;
+    if (begin.starts_with("# .pcd") || begin.starts_with("version")) return ShapeFormat::pcd;
+    if (begin.starts_with("<svg") || begin.starts_with("<?xml")) return ShapeFormat::svg;
     if (is_binary_stl(content) || begin.starts_with("solid")) return ShapeFormat::stl;
     if (has_vertices_of_obj(content)) return ShapeFormat::obj;
     if (begin.find(',') != std::string::npos || begin.starts_with('x')) return ShapeFormat::csv;
     if (begin.find_first_of("0123456789#") != std::string::npos) return ShapeFormat::xyz;
     throw bad_input(
-        name, "found nothing that begins as PLY, STL, OBJ, OFF, CSV or XYZ does; save it as a file and name that");
+        name,
+        "found nothing that begins as a shape's file does, such as PLY, STL, OBJ or CSV; save it as a file and "
+        "name that");
 }
 
 bool has_y_up_by_habit(std::string_view obj) {
@@ -89,12 +99,17 @@ Shape stood_up(Shape shape) {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ShapeFormat>, 6> endings{{{".csv", ShapeFormat::csv},
-                                                                           {".obj", ShapeFormat::obj},
-                                                                           {".off", ShapeFormat::off},
-                                                                           {".ply", ShapeFormat::ply},
-                                                                           {".stl", ShapeFormat::stl},
-                                                                           {".xyz", ShapeFormat::xyz}}};
+constexpr std::array<std::pair<std::string_view, ShapeFormat>, 11> endings{{{".3mf", ShapeFormat::three_mf},
+                                                                            {".csv", ShapeFormat::csv},
+                                                                            {".glb", ShapeFormat::gltf},
+                                                                            {".gltf", ShapeFormat::gltf},
+                                                                            {".obj", ShapeFormat::obj},
+                                                                            {".off", ShapeFormat::off},
+                                                                            {".pcd", ShapeFormat::pcd},
+                                                                            {".ply", ShapeFormat::ply},
+                                                                            {".stl", ShapeFormat::stl},
+                                                                            {".svg", ShapeFormat::svg},
+                                                                            {".xyz", ShapeFormat::xyz}}};
 
 }  // namespace
 
@@ -108,12 +123,13 @@ ShapeFormat shape_format(const std::string& file_name) {
     for (const auto& [known, format] : endings)
         if (extension == known) return format;
     throw bad_input(file_name,
-                    fmt::format("found the extension {}, expected .csv, .obj, .off, .ply, .stl or .xyz; export "
-                                "the shape in one of these formats and name the file so",
+                    fmt::format("found the extension {}, expected .3mf, .csv, .glb, .gltf, .obj, .off, .pcd, .ply, "
+                                ".stl, .svg or .xyz; export the shape in one of these formats and name the file so",
                                 shown(extension)));
 }
 
-Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name, double metres_per_unit) {
+Shape load_shape(const ShapeFile& file, ShapeFormat format, double metres_per_unit, const ShapeReaders& readers) {
+    const auto& [content, name, on_disk] = file;
     if (!(metres_per_unit > 0.0) || !std::isfinite(metres_per_unit))
         throw bad_argument("metres_per_unit",
                            fmt::format("found {}, expected a positive number; correct it", metres_per_unit));
@@ -121,20 +137,24 @@ Shape load_shape(std::string_view content, ShapeFormat format, const std::string
     if (const std::string begin = first_words(content); begin.starts_with("<!doctype") || begin.starts_with("<html"))
         throw bad_input(name,
                         "found a web page (HTML), expected a shape; download the file itself, not the page about it");
-    Polygons polygons = read(is_binary_stl(content) ? content : without_byte_order_mark(content), format, name);
-    if (polygons.in_mm && metres_per_unit != millimetre)
-        throw bad_input(name, "found columns named in mm, expected that unit for all of it; leave the unit out",
+    Polygons polygons =
+        read({is_binary_stl(content) ? content : without_byte_order_mark(content), name, on_disk}, format, readers);
+    if (polygons.own_unit_m && metres_per_unit != millimetre)
+        throw bad_input(name,
+                        fmt::format("it says its unit itself, {:g} mm, and takes no other; leave the unit out, and use "
+                                    "the scale for a file that is wrong",
+                                    *polygons.own_unit_m / millimetre),
                         {"unit"});
-    for (Vec3& vertex : polygons.vertices) vertex = vertex * metres_per_unit;
+    for (Vec3& vertex : polygons.vertices) vertex = vertex * polygons.own_unit_m.value_or(metres_per_unit);
     return as_shape(std::move(polygons), name);
 }
 
-Shape load_shape(const std::filesystem::path& path, double metres_per_unit) {
+Shape load_shape(const std::filesystem::path& path, double metres_per_unit, const ShapeReaders& readers) {
     const std::string name = path.string();
     std::error_code ignored;  // what else is wrong with the path, read_file says
     if (std::filesystem::is_directory(path, ignored)) throw bad_input(name, "is a directory; name a shape file in it");
     const ShapeFormat format = shape_format(name);
-    return load_shape(read_file(path), format, name, metres_per_unit);
+    return load_shape({read_file(path), name, true}, format, metres_per_unit, readers);
 }
 
 }  // namespace haptogram

@@ -4,11 +4,10 @@
 #include <string>
 #include <string_view>
 
+#include "haptogram/shape/readers.hpp"
 #include "haptogram/shape/shape.hpp"
 
 namespace haptogram {
-
-enum class ShapeFormat { csv, obj, off, ply, stl, xyz };
 
 /// Whether a file's name ends as that of a shape does.
 [[nodiscard]] bool has_shape_ending(const std::string& file_name);
@@ -30,17 +29,17 @@ enum class ShapeFormat { csv, obj, off, ply, stl, xyz };
 /// Reads a shape from memory, for example one that a browser sent. Files with faces become one Mesh: several objects
 /// are joined and polygons are cut into triangles; Mesh::flaw tells of polygons that cross themselves. Files with lines
 /// and no faces become a Curve each; others one Cloud. Numbers keep double precision.
-/// @param content          the bytes of the file
-/// @param name             what messages call the shape
+/// @param readers          of the formats that the core does not read
 /// @param metres_per_unit  what a 1 in the file means, for example 1e-3; positive and finite
 /// @throws Error{bad_input} naming the shape and the line or record, for content that is empty, cut short or garbled,
 ///         has no points, a coordinate that is not finite, a corner that is no vertex, or faces without area
-/// @throws Error{bad_argument} for a `metres_per_unit` that makes no sense
-[[nodiscard]] Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name,
-                               double metres_per_unit);
+/// @throws Error{bad_argument} for a `metres_per_unit` that makes no sense, and for a format without a reader
+[[nodiscard]] Shape load_shape(const ShapeFile& file, ShapeFormat format, double metres_per_unit,
+                               const ShapeReaders& readers = {});
 
 /// Reads a shape file; its extension tells the format, and its path is its name in messages.
 /// @throws Error{bad_input} for a path that cannot be read, too
-[[nodiscard]] Shape load_shape(const std::filesystem::path& path, double metres_per_unit);
+[[nodiscard]] Shape load_shape(const std::filesystem::path& path, double metres_per_unit,
+                               const ShapeReaders& readers = {});
 
 }  // namespace haptogram

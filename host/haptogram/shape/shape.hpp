@@ -36,6 +36,8 @@ using Piece = std::variant<Curve, Mesh, Cloud>;
 struct Shape {
     std::vector<Piece> pieces;
     std::vector<std::string> remarks{};  ///< on what a file's reader has left out, or what may be meant otherwise
+    bool has_own_unit = false;           ///< which its file says
+    std::string beside{};                ///< contents of other files that it was read from
 };
 
 }  // namespace haptogram

@@ -29,10 +29,11 @@ constexpr std::size_t most_record_samples = 4096;  // of a modulation that becom
 
 /// A shape file's shape, standing.
 /// @param name  of the file, "-" for standard input @param warnings  gets what is odd about it and does no harm
-Shape load(const ShapeSource& source, const std::string& name, const std::string& content,
+Shape load(const ShapeSource& source, const ShapeFile& file, const ShapeReaders& readers,
            std::vector<std::string>& warnings) {
+    const auto& [content, name, on_disk] = file;
     const ShapeFormat format = name == "-" ? shape_format(content, name) : shape_format(name);
-    Shape shape = load_shape(content, format, name, metres_per_unit(source.unit));
+    Shape shape = load_shape(file, format, metres_per_unit(source.unit), readers);
     if (const auto* const mesh = std::get_if<Mesh>(&shape.pieces.front()); mesh != nullptr && !mesh->flaw.empty())
         warnings.push_back(fmt::format("{}: {}", name, mesh->flaw));
     for (const std::string& remark : shape.remarks) warnings.push_back(fmt::format("{}: {}", name, remark));
@@ -41,7 +42,14 @@ Shape load(const ShapeSource& source, const std::string& name, const std::string
             fmt::format("{}: the program that wrote it mostly has y upwards, and z is taken to be; say "
                         "--up y if the shape lies on its back, or --up z",
                         name));
-    return source.up == "y" ? stood_up(std::move(shape)) : shape;
+    const bool is_gltf = format == ShapeFormat::gltf;
+    if (is_gltf && source.up == "z")
+        throw bad_argument(
+            "up", fmt::format("is y in every glTF file, as {} is; leave it out, and turn a file that is wrong", name),
+            {"rotate"});
+    if (is_gltf && !source.up)
+        warnings.push_back(fmt::format("{}: y is up in glTF, and z here: (x, y, z) became (x, -z, y)", name));
+    return is_gltf || source.up == "y" ? stood_up(std::move(shape)) : shape;
 }
 
 /// Below this a shape is a speck, much smaller than a focus, and more likely in another unit.
@@ -55,7 +63,8 @@ void warn_of_speck(const Shape& shape, const std::string& name, std::vector<std:
     if (wide_m == 0.0 || wide_m >= speck_m) return;
     std::string units;
     for (const std::string unit : {"cm", "inch", "m"})
-        if (const double in_m = wide_m / millimetre * metres_per_unit(unit); in_m >= speck_m && in_m <= 1.0)
+        if (const double in_m = wide_m / millimetre * metres_per_unit(unit);
+            !shape.has_own_unit && in_m >= speck_m && in_m <= 1.0)
             units += (units.empty() ? "is it --unit " : " or --unit ") + unit;
     warnings.push_back(fmt::format(
         "{}: it is {:.3g} mm wide{}", name, wide_m / millimetre,
@@ -77,7 +86,8 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
             const std::string name = here ? source.file : (project.folder / source.file).string();
             const std::string content = source.content ? *source.content : read_file(name);
             hashes += sha256(content);
-            part = load(source, name, content, warnings);
+            part = load(source, {content, name, !here}, project.makers.readers, warnings);
+            if (!part.beside.empty()) hashes += sha256(part.beside);
             const bool scaled = source.placement.size_m || source.placement.scale != 1.0 || project.placement.size_m ||
                                 project.placement.scale != 1.0;
             if (source.unit == "mm" && !scaled) warn_of_speck(part, name, warnings);
@@ -95,11 +105,12 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
 
 Placement placement(const Project& project) {
     Placement result = project.placement;
-    const bool built_in = std::all_of(project.shapes.begin(), project.shapes.end(),
-                                      [](const ShapeSource& s) { return s.file.empty() && !s.content; });
+    const bool built_in = std::all_of(project.shapes.begin(), project.shapes.end(), [](const ShapeSource& s) {
+        return (s.file.empty() && !s.content) || ending_of(s.file) == ".svg";
+    });
     const bool placed = std::any_of(project.shapes.begin(), project.shapes.end(),
                                     [](const ShapeSource& s) { return s.placement.center.has_value(); });
-    // This is where the Haptogram paper shows its shapes.
+    // This is where the Haptogram paper shows its shapes; a drawing has no height of its own.
     if (!result.center && built_in && !placed) result.center = from_mm(0.0, 0.0, 130.0);
     return result;
 }
@@ -198,6 +209,18 @@ private:
         auto& entries = recorded_.entries;
         for (std::uint64_t periods = waiting_; periods > 0;) {
             const auto dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(periods, most_dwell));
+            if (entries.size() + 1 >= core_.parameters.sequence_depth && path_.steps.size() == 1 &&
+                !path_.modulation.samples.empty())
+                throw bad_input(
+                    core_.name,
+                    fmt::format(
+                        "the modulation lasts {:.3g} s, and the board's {} sequence entries hold {:.3g} s of it; take "
+                        "a shorter or coarser one, or a board with a memory for it, such as tile-100-wide",
+                        static_cast<double>(path_.modulation.samples.size()) * path_.modulation.periods_a_sample /
+                            timer_.carrier_hz(),
+                        core_.parameters.sequence_depth - 1,
+                        static_cast<double>(recorded_periods_) / timer_.carrier_hz()),
+                    {"am", "board", "array"});
             if (entries.size() + 1 >= core_.parameters.sequence_depth)
                 throw bad_input(core_.name,
                                 fmt::format("the path needs more sequence entries than the board's {}; take fewer "
@@ -206,6 +229,7 @@ private:
                                 {"points", "board", "array"});
             entries.push_back({waiting_index_, dwell, std::exchange(waiting_mark_, false)});
             periods -= dwell;
+            recorded_periods_ += dwell;
         }
     }
 
@@ -214,7 +238,7 @@ private:
     const Core& core_;
     const std::optional<Segments>& segments_;
     std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
-    std::uint64_t waiting_ = 0;
+    std::uint64_t waiting_ = 0, recorded_periods_ = 0;
     bool waiting_mark_ = false;
     RecordedPath recorded_;
     std::map<std::string, std::size_t> records_;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "haptogram/array/vec3.hpp"
+#include "haptogram/shape/readers.hpp"
 
 namespace haptogram {
 
@@ -31,6 +32,7 @@ struct ObjectSource {
     Vec3 centre{0.0, 0.0, 0.2};      ///< of its bounding box
     Vec3 angles_deg;
     std::string unit = "mm";  ///< of a mesh file's coordinates: mm, cm, m or inch
+    ShapeReaders readers{};   ///< of formats that the core does not read
 };
 /// Whether it is one of object_kinds().
 [[nodiscard]] bool is_built_in(const ObjectSource& source);

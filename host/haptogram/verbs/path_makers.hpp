@@ -10,6 +10,7 @@
 
 #include "haptogram/array/array.hpp"
 #include "haptogram/format/path.hpp"
+#include "haptogram/shape/readers.hpp"
 
 namespace haptogram {
 
@@ -41,6 +42,7 @@ struct PathMakers {
     /// Multiplies the amplitudes of a path so that every focus feels as strong as the project's magnitude says
     /// (perception/magnitude.hpp has one).
     std::function<PathMagnitude(Path& path, const Project& project, const Array& array)> of_magnitude{};
+    ShapeReaders readers{};  ///< of formats that the core does not read (formats/readers.hpp has them)
 };
 
 }  // namespace haptogram

@@ -337,7 +337,7 @@ Settings<ShapeSource> shape_settings() {
     using Source = ShapeSource;
     using Measures = PrimitiveSpec;
     static const SettingOf<Source> of_shapes[] = {
-        of<&Source::file>("file", {}, File{}, "A PLY, OBJ, STL, OFF, XYZ or CSV file"),
+        of<&Source::file>("file", {}, File{}, "A PLY, OBJ, STL, OFF, PCD, 3MF, glTF, SVG, XYZ or CSV file"),
         with(of<&Source::unit>("unit", "--unit", Choices(units), "Unit of the coordinates in the files"), for_files),
         with(of<&Source::up>("up", "--up", Choices(axes),
                              "Axis of the files that points upwards; z when it is not given"),

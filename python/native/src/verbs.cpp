@@ -11,6 +11,9 @@
 #include "haptogram/verbs/pattern.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "native.hpp"
+#ifdef HAPTOGRAM_HAS_FORMATS
+#include "haptogram/formats/readers.hpp"
+#endif
 #ifdef HAPTOGRAM_HAS_HAND
 #include "haptogram/hand/project.hpp"
 #endif
@@ -22,11 +25,14 @@ using Point = std::array<double, 3>;
 using Range = std::optional<std::pair<double, double>>;
 
 PathMakers makers() {
+    PathMakers made{.of_pattern = path_of_pattern};
 #ifdef HAPTOGRAM_HAS_HAND
-    return path_makers();
-#else
-    return {.of_pattern = path_of_pattern};
+    made = path_makers();
 #endif
+#ifdef HAPTOGRAM_HAS_FORMATS
+    made.readers = formats::readers();
+#endif
+    return made;
 }
 
 Compiled compile_in(Project project, const std::string& name) {

@@ -87,6 +87,7 @@ void open_hand(Project& project, const FileReader& read) {
     if (!hand.hands)
         hand.hands =
             std::make_shared<const HandRecording>(open_hands(hand.recording, hand.model, hand.rate_hz, reader));
+    if (!hand.touched) hand.object.readers = project.makers.readers;
     if (!hand.touched) hand.touched = std::make_shared<const TouchObject>(open_object(hand.object, reader));
 }
 

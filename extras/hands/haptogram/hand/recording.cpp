@@ -16,6 +16,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/json_member.hpp"
+#include "haptogram/hand/joints.hpp"
 #include "haptogram/hand/mounting.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/place.hpp"
@@ -245,12 +246,21 @@ std::string from_lz_string(std::string_view base64, const std::string& where) {
     return text;
 }
 
+namespace {
+constexpr std::string_view other_trackers =
+    "write hands of another tracker as joints, a line a frame, into a file .jsonl (haptogram.sensors.joints does)";
+}  // namespace
+
 HandRecording recording_from_leap(std::string_view text, const std::string& where) {
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    if (begin != std::string_view::npos && text[begin] == '[')
+        throw bad_input(where, fmt::format("found a list, expected a recording of a Leap; {}", other_trackers));
     const bool compressed = begin != std::string_view::npos && text[begin] != '{';
     const nlohmann::ordered_json document =
         compressed ? parse_json(from_lz_string(text.substr(begin), where), where) : parse_json(text, where);
     const JsonMember root(document, where);
+    if (!root.find("frames"))
+        throw bad_input(where, fmt::format("it has no frames, expected a recording of a Leap; {}", other_trackers));
     std::vector<JsonMember> frames = root.at("frames").list();
     std::optional<Head> head;
     if (!frames.empty() && frames.front().value().is_array()) {
@@ -258,6 +268,9 @@ HandRecording recording_from_leap(std::string_view text, const std::string& wher
         frames.erase(frames.begin());
     }
     if (frames.empty()) throw root.at("frames").wrong("a list of at least one frame");
+    if (!head && frames.front().value().is_object() && !frames.front().find("timestamp"))
+        throw bad_input(
+            where, fmt::format("its first frame has no timestamp, expected a recording of a Leap; {}", other_trackers));
     HandRecording recording;
     for (const JsonMember& json : frames) {
         HandFrame frame = frame_of(json, head ? &*head : nullptr);
@@ -448,9 +461,12 @@ HandRecording load_hands(const std::filesystem::path& file, const std::filesyste
     const auto content = [&](const std::filesystem::path& path) { return read ? read(path) : read_file(path); };
     const std::string ending = ending_of(file);
     if (ending == ".json" || ending == ".lz") return recording_from_leap(content(file), file.string());
+    if (ending == ".jsonl") return recording_from_joints(content(file), file.string());
     if (ending != ".pose")
-        throw bad_input(file.string(),
-                        "the name of a recording of hands ends in .json or .lz (Leap) or .pose; rename or convert it");
+        throw bad_input(
+            file.string(),
+            "the name of a recording of hands ends in .json or .lz (Leap), .jsonl (joints of any tracker) or "
+            ".pose; rename or convert it");
     const std::filesystem::path bones = bones_file(file, model);
     return recording_from_poses(content(file), file.string(), bones_from_json(content(bones), bones.string()), rate_hz);
 }
@@ -553,8 +569,10 @@ Mesh mesh_of(const ObjectSource& source, const FileReader& read) {
     placement.rotate_deg = {source.angles_deg.x, source.angles_deg.y, source.angles_deg.z};
     placement.center = source.centre;
     const ShapeFormat format = shape_format(source.name);
-    Shape shape = placed_at(load_shape(read ? read(source.name) : read_file(source.name), format, source.name, metres),
-                            placement);
+    const std::string content = read ? read(source.name) : read_file(source.name);
+    Shape shape = load_shape({content, source.name, !read}, format, metres, source.readers);
+    if (format == ShapeFormat::gltf) shape = stood_up(std::move(shape));
+    shape = placed_at(shape, placement);
     if (shape.pieces.size() != 1 || !std::holds_alternative<Mesh>(shape.pieces.front()))
         throw bad_input(source.name, "it has points without faces, and so no volume; give a closed mesh");
     if (const std::string& flaw = std::get<Mesh>(shape.pieces.front()).flaw; !flaw.empty())

@@ -62,7 +62,8 @@ struct HandBones {
 /// How the content of a file is got: from the disk, unless somebody has it in memory.
 using FileReader = std::function<std::string(const std::filesystem::path&)>;
 
-/// Reads a recording; its ending tells the format: .pose, or .json and .lz as leap.hpp reads them.
+/// Reads a recording; its ending tells the format: .pose, .jsonl (hand/joints.hpp), or .json and .lz of
+/// a Leap.
 /// @param model    of .pose, the file of its bones; empty: model_hand.json beside it
 /// @param rate_hz  of .pose
 /// @param read     gets the contents; by default read_file()

@@ -5,7 +5,6 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/mounting.hpp"
-#include "haptogram/hand/recording.hpp"
 
 namespace haptogram::live {
 
@@ -46,7 +45,7 @@ bool HandPipe::take_line(std::chrono::milliseconds patience) {
     if (!line) return false;
     if (line->find_first_not_of(" \t\r") == std::string::npos) return true;
     try {
-        std::optional<HandFrame> frame = frame_from_leap_message(*line, lines_.where());
+        std::optional<HandFrame> frame = read_(*line, lines_.where());
         if (!frame) return true;
         const double behind_s = last_s_ ? *last_s_ - frame->time_s : -1.0;
         if (behind_s > anew_s)  // the tracking service has begun anew

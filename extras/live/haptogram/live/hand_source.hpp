@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,14 +32,17 @@ private:
     std::size_t next_ = 0;
 };
 
-/// Hands as a Leap's tracking service sends them, a message a line. The newest frame wins; those that it overtakes are
+/// Hands as a tracker sends them, a message a line. The newest frame wins; those that it overtakes are
 /// lost frames. Lines that are no frames are counted, and the next one is taken.
 class HandPipe final : public FrameSource {
 public:
+    using LineReader = std::function<std::optional<HandFrame>(const std::string& line, const std::string& where)>;
     /// @param path      of the lines; "-" is standard input. A file is a recording
+    /// @param read      makes a frame of a line, or nothing of one that has none
     /// @param mounting  of the tracker
     /// @throws Error{bad_input} when it cannot be opened
-    explicit HandPipe(const std::string& path, const Pose& mounting = {}) : lines_(path), mounting_(mounting) {}
+    HandPipe(const std::string& path, LineReader read, const Pose& mounting = {})
+        : lines_(path), read_(std::move(read)), mounting_(mounting) {}
     [[nodiscard]] double rate_hz() const override { return 1.0 / interval_s_; }
     [[nodiscard]] bool live() const override { return !lines_.is_file(); }
     [[nodiscard]] bool ready() override;
@@ -51,6 +55,7 @@ private:
     void take(HandFrame frame);
 
     LiveText lines_;
+    LineReader read_;
     Pose mounting_;
     std::optional<Frame> newest_;
     std::optional<double> begin_s_, last_s_;  ///< when the first frame was, and the last one, by the tracker

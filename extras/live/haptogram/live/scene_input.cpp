@@ -47,6 +47,7 @@ const OpenedObjects::Body& OpenedObjects::body_of(const ObjectSource& source) {
     ObjectSource plain;
     plain.name = source.name;
     plain.unit = source.unit;
+    plain.readers = source.readers;
     plain.centre = {};
     const std::string content = names_mesh(plain) ? read_file(plain.name) : std::string();
     const FileReader read = [&](const auto&) { return content; };

@@ -11,6 +11,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/joints.hpp"
 #include "haptogram/hand/mounting.hpp"
 #include "haptogram/hand/recording.hpp"
 #include "haptogram/hand/render.hpp"
@@ -88,19 +89,26 @@ OpenedSource open_source(const std::string& name, const CameraOptions& cameras, 
         return of_depth(std::make_unique<SyntheticDepth>(
             cameras_of(cameras), [=](double time_s) { return pressing_fingers(time_s, object, half_m); },
             cameras.rate_hz, cameras.seconds > 0.0 ? cameras.seconds : press_s, cameras.noise));
-    if (kind == "leap-pipe") {
+    if (kind == "leap-pipe" || kind == "joints-pipe") {
+        HandPipe::LineReader read = frame_from_leap_message;
+        if (kind == "joints-pipe")
+            read = [lines = JointLines()](const std::string& line, const std::string& where) mutable {
+                return lines.frame(line, where);
+            };
         auto pipe = std::make_unique<HandPipe>(
-            file, mounting.empty() ? Pose{} : mounting_from_toml(read_file(mounting), mounting));
+            file, std::move(read), mounting.empty() ? Pose{} : mounting_from_toml(read_file(mounting), mounting));
         const HandPipe* const tracker = pipe.get();
         return {std::move(pipe), {}, {tracker}};
     }
-    if (kind == "leap" || kind == "poses" || kind == "synthetic") {
+    if (kind == "leap" || kind == "joints" || kind == "poses" || kind == "synthetic") {
         const std::string& recording = kind == "synthetic" ? name : rest;
         return {std::make_unique<RecordedHands>(open_hands(recording), recording, cameras.seconds)};
     }
-    throw bad_argument("from", fmt::format("found \"{}\", expected depth:FOLDER, depth-pipe:FILE, leap:FILE, "
-                                           "leap-pipe:FILE, poses:FILE, synthetic:SCRIPT or fingers:press",
-                                           name));
+    throw bad_argument(
+        "from",
+        fmt::format("found \"{}\", expected depth:FOLDER, depth-pipe:FILE, leap:FILE, "
+                    "leap-pipe:FILE, joints:FILE, joints-pipe:FILE, poses:FILE, synthetic:SCRIPT or fingers:press",
+                    name));
 }
 
 OpenedSource open_sources(const std::vector<std::string>& names, const CameraOptions& cameras, Vec3 object,

@@ -45,8 +45,8 @@ struct OpenedSource {
 /// - depth:FOLDER   a recording (live/depth_source.hpp)
 /// - depth-pipe:FILE   cameras of another program (live/depth_source.hpp); - is standard input
 /// - fingers:press   scripted fingers at the object, which simulated cameras see
-/// - leap-pipe:FILE   hands of another program (live/hand_source.hpp)
-/// - leap:FILE, poses:FILE   recorded hands; also synthetic:SCRIPT[:HEIGHT] as render has it
+/// - leap-pipe:FILE, joints-pipe:FILE   hands of another program (live/hand_source.hpp)
+/// - leap:FILE, joints:FILE, poses:FILE   recorded hands; also synthetic:SCRIPT[:HEIGHT] as render has it
 /// @MOUNTING behind a file says where the tracker, or the frame of all of the cameras, is (hand/mounting.hpp).
 /// @param cameras  the simulated ones; of a recording of hands only their `seconds` count
 /// @param object  its middle, @param half_m half of its edge, for scripted fingers

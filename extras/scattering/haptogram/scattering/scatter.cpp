@@ -206,7 +206,8 @@ Body open_body(const BodySource& source, double wavelength_m) {
         for (const auto& [setting, value] : {std::pair("radius", source.radius_m), std::pair("length", source.length_m),
                                              std::pair("edge", source.edge_m)})
             refuse(setting, value, "a built-in body");
-        const Shape shape = load_shape(std::filesystem::path(source.name), source.metres_per_unit);
+        Shape shape = load_shape(std::filesystem::path(source.name), source.metres_per_unit, source.readers);
+        if (shape_format(source.name) == ShapeFormat::gltf) shape = stood_up(std::move(shape));
         const Mesh* const found = std::get_if<Mesh>(&shape.pieces.front());
         if (found == nullptr)
             throw bad_input(source.name, "has points but no faces; a body needs a closed surface of triangles");

@@ -10,6 +10,7 @@
 #include "haptogram/format/path.hpp"
 #include "haptogram/scattering/shells.hpp"
 #include "haptogram/shape/place.hpp"
+#include "haptogram/shape/readers.hpp"
 
 namespace haptogram::scattering {
 
@@ -21,6 +22,7 @@ struct BodySource {
     std::optional<double> length_m{};  ///< of the finger, which lies along z before it is turned; 50 mm
     std::optional<double> edge_m{};    ///< of a built-in one's triangles; an eighth of the wavelength
     Placement placement{};
+    ShapeReaders readers{};  ///< of formats that the core does not read
 };
 [[nodiscard]] bool is_built_in_body(std::string_view name);
 

@@ -99,8 +99,8 @@ function Touched({ actions, now, hand }: WithDocument) {
       <PointField label={labels.rotate} each={labels.rotate} unit="°" step={5} value={turned} onValue={(rotate_deg) => change(now, { rotate_deg })} />
       <label class="drop">
         Drop a recording or a closed mesh anywhere, or choose one
-        <input type="file" multiple accept=".json,.lz,.pose,.ply,.obj,.stl" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
-        <small>Leap JSON or LZ; poses with their model_hand.json; PLY, OBJ or STL</small>
+        <input type="file" multiple accept=".json,.lz,.pose,.ply,.obj,.stl,.off,.3mf,.gltf,.glb" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
+        <small>Leap JSON or LZ; poses with their model_hand.json; PLY, OBJ, STL, OFF, 3MF or glTF</small>
       </label>
     </Panel>
   );

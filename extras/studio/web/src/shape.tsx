@@ -58,8 +58,8 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
       <button type="button" class="wide" onClick={() => actions.draw(true)}>Draw a path by hand</button>
       <label class="drop">
         Drop a file anywhere, or choose one
-        <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.json,.adaptics,.wav" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
-        <small>PLY, OBJ, STL, XYZ, CSV; a path, an AdapTics pattern; a sound (WAV) to modulate by; a bundle, or a project with its files</small>
+        <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.off,.pcd,.3mf,.gltf,.glb,.svg,.xyz,.csv,.json,.adaptics,.wav" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
+        <small>PLY, OBJ, STL, OFF, PCD, 3MF, glTF, SVG, XYZ, CSV; a path, an AdapTics pattern; a sound (WAV) to modulate by; a bundle, or a project with its files</small>
       </label>
     </Panel>
   );

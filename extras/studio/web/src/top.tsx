@@ -40,7 +40,7 @@ function DesignMenu({ actions }: WithActions) {
         <WordField label="Name" id="design" value={designName.value} onWord={(name) => rename(name.replaceAll("/", "-"))} />
         <button type="button" class="wide" onClick={() => { close(); void actions.saveBundle(); }}><Save size={16} aria-hidden="true" /> Save as a bundle <kbd>Ctrl S</kbd></button>
         <label class="button wide"><FolderOpen size={16} aria-hidden="true" /> Open a file
-          <input class="hidden" type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.adaptics,.json,.lz,.pose,.wav" onChange={(e) => { close(); void actions.drop([...(e.currentTarget.files ?? [])]); e.currentTarget.value = ""; }} />
+          <input class="hidden" type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.off,.pcd,.3mf,.gltf,.glb,.svg,.xyz,.csv,.adaptics,.json,.lz,.pose,.wav" onChange={(e) => { close(); void actions.drop([...(e.currentTarget.files ?? [])]); e.currentTarget.value = ""; }} />
         </label>
         {designs.value.length > 0 && <h3>Recent</h3>}
         {designs.value.map((design) => (
