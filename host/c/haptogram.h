@@ -235,7 +235,7 @@ HAPTOGRAM_API haptogram_code haptogram_link_interrupt(haptogram_link* link);
 HAPTOGRAM_API size_t haptogram_link_replies(haptogram_link* link, void* to, size_t room);
 /* Sends patterns for this carrier period and those after it, without an answer, as STREAM has them. */
 HAPTOGRAM_API haptogram_code haptogram_link_stream(haptogram_link* link, uint64_t period, const uint16_t* words, size_t patterns);
-/* From now on something new is said at least so often while something is asked; 0: no more. */
+/* From now on something new is said at least so often while something is asked, until the outputs are turned off; 0: no more. */
 HAPTOGRAM_API haptogram_code haptogram_link_keep_alive(haptogram_link* link, uint32_t milliseconds);
 
 typedef struct haptogram_link_state {

@@ -253,8 +253,6 @@ class Board:
         except BaseException as error:
             self._shut_off_after(error)
             raise
-        finally:
-            self._link.keep_alive(None)
         self.shut_off()
 
     def _shut_off_after(self, error: BaseException) -> None:

@@ -68,14 +68,14 @@ class Link:
         return self._replies(self._stopped)
 
     def stream(self, period: int, words: memoryview, patterns: int) -> None:
-        """Patterns, without an answer. Their bytes go out as they lie there."""
+        """Patterns, without an answer."""
         self._require_wanted()
-        address = ctypes.cast(ctypes.c_char_p(bytes(words)) if words.readonly else (ctypes.c_char * words.nbytes).from_buffer(words), ctypes.POINTER(ctypes.c_uint16))
         self._said = time.monotonic()
-        self._call("link_stream", self._open(), period, address, patterns)
+        self._call("link_stream", self._open(), period, ctypes.cast(bytes(words), ctypes.POINTER(ctypes.c_uint16)), patterns)
 
     def shut_off(self) -> None:
         """Outputs off and silence, whatever came before. Raises HaptogramError when the board does not confirm it."""
+        self._pause_s = 0.0
         self._call("link_shut_off", self._open())
         self._replies(never)
 
@@ -83,10 +83,9 @@ class Link:
         """Whatever goes on ends soon, and shut_off() waits no longer than it must."""
         self._call("link_interrupt", self._open())
 
-    def keep_alive(self, watchdog_ms: int | None) -> None:
-        """While outputs are on with this watchdog, something new is said often enough during an exchange; None: they are off."""
-        within_watchdog = watchdog_ms // LINK_KEEP_ALIVE_SHARE + 1 if watchdog_ms else LINK_KEEP_ALIVE_MS
-        pause_ms = 0 if watchdog_ms is None else min(LINK_KEEP_ALIVE_MS, within_watchdog)
+    def keep_alive(self, watchdog_ms: int) -> None:
+        """For outputs that go on with this watchdog: until shut_off(), something new is said often enough during an exchange."""
+        pause_ms = min(LINK_KEEP_ALIVE_MS, watchdog_ms // LINK_KEEP_ALIVE_SHARE + 1) if watchdog_ms else LINK_KEEP_ALIVE_MS
         self._pause_s = pause_ms / 1000
         self._call("link_keep_alive", self._open(), pause_ms)
 
@@ -99,9 +98,10 @@ class Link:
         self._call("get_link_state", self._open(), ctypes.byref(state))
         return state
 
-    def _open(self) -> ctypes.c_void_p | None:
-        """The library says of None that it is no link."""
-        return self._handle if self.close.alive else None
+    def _open(self) -> ctypes.c_void_p:
+        if not self.close.alive:
+            raise HaptogramError(ErrorCode.USAGE, self.path, "is closed; open it again")
+        return self._handle
 
     def _call(self, name: str, *given: object) -> None:
         call(name, *given, place=self._place)

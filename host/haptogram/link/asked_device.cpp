@@ -141,6 +141,7 @@ void AskedDevice::turn_off() {
         device_ = std::make_unique<Client>(open_port_to_turn_off(settings_));
         device_->set_interrupt(settings_.interrupt);
     }
+    device_->keep_alive_every({});
     if (!device_->turn_off()) throw Error(ErrorCode::device, "board", not_confirmed(watchdog_ms_));
 }
 

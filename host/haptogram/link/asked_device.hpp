@@ -48,7 +48,7 @@ public:
     /// Sends patterns, of a word for each channel, for this carrier period and those after it, as many in a frame as
     /// the device takes; nothing is answered.
     void stream(std::uint64_t period, const std::uint16_t* words, std::size_t patterns);
-    /// While something is asked, something new is said at least so often; 0: no more.
+    /// While something is asked, something new is said at least so often, until shut_off(); 0: no more.
     void keep_alive_every(std::chrono::milliseconds pause);
 
     [[nodiscard]] std::uint64_t retransmissions() const { return device_ ? device_->retransmissions() : 0; }
