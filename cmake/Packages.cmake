@@ -19,7 +19,7 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME haptogram)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "python3-matplotlib, python3-serial")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "python3-matplotlib, python3-intelhex")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "command line, simulated board and studio for mid-air haptics
  Compiles shapes, texts and paths to images for an FPGA that drives arrays of
  ultrasonic transducers, simulates the FPGA, computes fields, drives boards.")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads host/c/haptogram.h, which is plain enough for a few patterns, and writes from it what C# needs to call the library.
+"""Reads host/c/haptogram.h, which is plain enough for a few patterns, and writes from it what C# and Python need to call the library.
 
-`tools/c_header.py` writes the C# file; with --check it only says whether that file is fresh."""
+`tools/c_header.py` writes both files; with --check it only says whether they are fresh."""
 import re
 import sys
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADER = ROOT / "host/c/haptogram.h"
 CSHARP = ROOT / "extras/unity/Runtime/Native.cs"
+PYTHON = ROOT / "python/haptogram/native.py"
 NUMBERS = {"uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "uint16_t": "ushort", "uint64_t": "ulong", "double": "double", "size_t": "UIntPtr"}
 
 
@@ -102,15 +103,41 @@ def csharp(header):
     return "\n".join([*lines, "    }", "}", ""])
 
 
+def python_type(p, structs):
+    number = p.type if p.type == "size_t" else p.type.removesuffix("_t")
+    if p.stars == 0:
+        return {"haptogram_code": "c_int", "void": "None"}.get(p.type) or f"c_{number}"
+    if p.stars == 2:
+        return "POINTER(c_void_p)"
+    if p.type == "char" and p.const:
+        return "c_char_p"
+    if p.type in structs:
+        return f"POINTER({camel(p.type)})"
+    return f"POINTER(c_{number})" if p.type in NUMBERS else "c_void_p"
+
+
+def python(header):
+    lines = ["# SPDX-License-Identifier: Apache-2.0", "# fmt: off", '"""Written by tools/c_header.py from host/c/haptogram.h: its structs, and the types of its functions."""',
+             "from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p",
+             "from typing import Any", "", f"ABI = {header.abi}"]
+    for name, members in header.structs.items():
+        lines += ["", "", f"class {camel(name)}(Structure):", "    _fields_ = ["]
+        lines += [f'        ("{p.name}", {python_type(p, header.structs)}),' for p in members] + ["    ]"]
+    lines += ["", "", "# What each returns, and what it is given.", "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {"]
+    for name, (returns, given) in header.functions.items():
+        lines.append(f'    "{name}": ({python_type(returns, header.structs)}, [{", ".join(python_type(p, header.structs) for p in given)}]),')
+    return "\n".join([*lines, "}", ""])
+
+
 def main():
-    fresh = csharp(read())
-    if "--check" in sys.argv[1:]:
-        if CSHARP.read_text(encoding="utf-8") != fresh:
-            print(f"{CSHARP.relative_to(ROOT)} is not what tools/c_header.py writes; run it")
-            return 1
-        return 0
-    CSHARP.write_text(fresh, encoding="utf-8")
-    return 0
+    header, stale = read(), 0
+    for path, fresh in ((CSHARP, csharp(header)), (PYTHON, python(header))):
+        if "--check" not in sys.argv[1:]:
+            path.write_text(fresh, encoding="utf-8")
+        elif not path.is_file() or path.read_text(encoding="utf-8") != fresh:
+            print(f"{path.relative_to(ROOT)} is not what tools/c_header.py writes; run it")
+            stale = 1
+    return stale
 
 
 if __name__ == "__main__":

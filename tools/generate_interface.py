@@ -383,17 +383,11 @@ def python(table):
     out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}",
             f"DESCRIPTION_LONG_FORMAT = {description['long_format']}"]  # fmt: skip
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
-    out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]
-    out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]
-    out += [f"KNOWN_RATES = {tuple(known_rates(table))}", *(f"PROBE_{name.upper()} = {value}" for name, value in table["probe"].items()), ""]
-    out += [f"CHAIN_{name.upper()} = {value}" for name, value in table["chain"].items()]
-    out += [f"NETWORK_{name.upper()} = {value}" for name, value in table["network"].items()] + [""]
+    out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"] if row["name"].startswith("keep_alive")]
+    out += [f"KNOWN_RATES = {tuple(known_rates(table))}", ""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
-    out += ["", "# Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.", "PARAMETER_RANGES = {"]
-    out += [f'    "{p["name"].lower()}": ({p["low"]}, {p["high"]}, {p.get("power_of_two", False)}, {p.get("optional", False)}),' for p in table["parameter"]]
-    out += ["}", ""]
-    out += [f"STATUS_{end.upper()}_WORDS = {length}  # of boards without {lacks}" for end, (length, lacks) in status_ends(table).items()]
+    out += [""] + [f"STATUS_{end.upper()}_WORDS = {length}  # of boards without {lacks}" for end, (length, lacks) in status_ends(table).items()]
     out.append(f"TRIGGER_SETTINGS = {trigger_settings(table)}  # words of the trigger block which a host may write")
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):

@@ -29,6 +29,7 @@ extern "C" {
 #define HAPTOGRAM_ABI 1
 
 typedef struct haptogram_board haptogram_board; /* an open port */
+typedef struct haptogram_link haptogram_link;   /* a port that is asked by the protocol's own commands */
 typedef struct haptogram_image haptogram_image; /* the contents of a board's memories, and what they mean */
 
 typedef enum haptogram_code {
@@ -43,6 +44,8 @@ typedef enum haptogram_code {
 HAPTOGRAM_API int32_t haptogram_abi(void);
 HAPTOGRAM_API const char* haptogram_version(void);
 HAPTOGRAM_API const char* haptogram_error(void);
+/* The place of the last error, with which its words begin: a file, a setting, a port, a command; may be empty. */
+HAPTOGRAM_API const char* haptogram_error_place(void);
 /* The settings that could mend the last error, as a project file calls them, separated by commas; may be empty. */
 HAPTOGRAM_API const char* haptogram_remedies(void);
 
@@ -203,6 +206,48 @@ typedef struct haptogram_trigger_times {
     uint64_t now_clock, out_clock, in_clock; /* of the board, since its power-up; of the last events */
 } haptogram_trigger_times;
 HAPTOGRAM_API haptogram_code haptogram_get_trigger_times(haptogram_board* board, haptogram_trigger_times* times);
+
+/* The commands of a board one by one, as rtl/INTERFACE.md has them, for programs that look after their own time and signals. What
+   is lost is sent again here. Nothing is said to the board but what is asked, so its watchdog watches the program. A link is for
+   one thread at a time, but haptogram_link_interrupt. */
+
+/* Opens nothing yet. Of the port's settings, `port` and `baud` have a meaning here. */
+HAPTOGRAM_API haptogram_code haptogram_open_link(const haptogram_port* port, haptogram_link** link);
+/* Outputs stay as they are. NULL is allowed. */
+HAPTOGRAM_API void haptogram_close_link(haptogram_link* link);
+
+/* The next three begin, and return; what went on before is interrupted. After each, haptogram_link_wait tells how it has ended, and
+   then haptogram_link_replies has its replies.
+   Opens the port, if it is not open, and begins a session: one reply, with the block of IDENTIFY. */
+HAPTOGRAM_API haptogram_code haptogram_link_identify(haptogram_link* link);
+/* Requests: of each the command, 8 bits, the length of its payload, 16 bits, little-endian, and the payload. Several are under way at
+   once, and after one that is refused none is carried out. One alone can wait: `gate` is what GATE is told; 0: it does not. */
+HAPTOGRAM_API haptogram_code haptogram_link_ask(haptogram_link* link, const void* requests, size_t bytes, uint64_t gate);
+/* Turns the outputs off, whatever came before, without a session; if there is no answer, by a break of the line. It has failed when
+   the board did not confirm it. No replies. */
+HAPTOGRAM_API haptogram_code haptogram_link_shut_off(haptogram_link* link);
+/* Waits until what was begun has ended, at most so long; says how it ended. `busy` gets whether it goes on. */
+HAPTOGRAM_API haptogram_code haptogram_link_wait(haptogram_link* link, uint32_t milliseconds, int32_t* busy);
+/* What goes on ends soon, as cancelled. */
+HAPTOGRAM_API haptogram_code haptogram_link_interrupt(haptogram_link* link);
+/* Replies: of each the live level, the length of its data, 16 bits each, little-endian, and the data. Returns how many bytes there
+   are, and copies at most `room` of them. */
+HAPTOGRAM_API size_t haptogram_link_replies(haptogram_link* link, void* to, size_t room);
+/* Sends patterns for this carrier period and those after it, without an answer, as STREAM has them. */
+HAPTOGRAM_API haptogram_code haptogram_link_stream(haptogram_link* link, uint64_t period, const uint16_t* words, size_t patterns);
+/* From now on something new is said at least so often while something is asked, until the outputs are turned off; 0: no more. */
+HAPTOGRAM_API haptogram_code haptogram_link_keep_alive(haptogram_link* link, uint32_t milliseconds);
+
+typedef struct haptogram_link_state {
+    uint32_t size;
+    uint32_t found_baud; /* the rate at which the board answers, if it had to be looked for */
+    uint64_t retransmissions; /* frames that were sent again */
+} haptogram_link_state;
+HAPTOGRAM_API haptogram_code haptogram_get_link_state(haptogram_link* link, haptogram_link_state* state);
+
+/* The ports that a board may be behind: a line each, with a tab before what the chip says it is. Returns how many bytes there are,
+   and copies at most `room` of them. */
+HAPTOGRAM_API size_t haptogram_ports(char* to, size_t room);
 
 #ifdef __cplusplus
 }

@@ -16,6 +16,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -27,6 +28,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/bundle.hpp"
+#include "haptogram/link/asked_device.hpp"
 #include "haptogram/link/background_player.hpp"
 #include "haptogram/link/background_rig.hpp"
 #include "haptogram/link/port.hpp"
@@ -64,6 +66,10 @@ struct haptogram_image {
 
 /// A name, and no more: its place in memory is never given away again, so that one that was closed is known as that.
 struct haptogram_board {};
+
+struct haptogram_link {
+    haptogram::link::AskedDevice device;
+};
 
 namespace {
 
@@ -147,7 +153,7 @@ private:
 #endif
 };
 
-thread_local std::string last_error, last_remedies;
+thread_local std::string last_error, last_place, last_remedies;
 
 haptogram_code code_of(ErrorCode code) {
     switch (code) {
@@ -165,11 +171,13 @@ template <class Work>
 haptogram_code guarded(const Work& work) noexcept {
     try {
         last_error.clear();
+        last_place.clear();
         last_remedies.clear();
         work();
         return HAPTOGRAM_OK;
     } catch (const Error& error) {
         last_error = error.what();
+        last_place = error.where();
         last_remedies = fmt::format("{}", fmt::join(error.remedies(), ","));
         return code_of(error.code());
     } catch (const std::exception& error) {
@@ -362,6 +370,33 @@ haptogram_identity identity_of(const std::vector<haptogram::link::Identity>& boa
     return all;
 }
 
+/// @throws Error{bad_argument} when they end within one
+std::vector<haptogram::link::Request> requests_of(const void* given, std::size_t bytes) {
+    constexpr std::size_t head = 3;
+    std::vector<haptogram::link::Request> requests;
+    std::span<const std::uint8_t> left(&required(static_cast<const std::uint8_t*>(given), "requests"), bytes);
+    while (!left.empty()) {
+        const std::size_t size = left.size() < head ? left.size() : left[1] | left[2] << 8U;
+        if (left.size() < head + size)
+            throw bad_argument("requests", fmt::format("number {} ends after {} bytes, expected {}",
+                                                       requests.size() + 1, left.size(), head + size));
+        const auto payload = left.subspan(head, size);
+        requests.push_back({static_cast<haptogram::interface::Command>(left[0]), {payload.begin(), payload.end()}});
+        left = left.subspan(head + size);
+    }
+    return requests;
+}
+
+std::string to_bytes(const std::vector<haptogram::link::Reply>& replies) {
+    std::string bytes;
+    for (const haptogram::link::Reply& reply : replies) {
+        for (const std::size_t word : {std::size_t{reply.live_level}, reply.data.size()})
+            bytes += {static_cast<char>(word & 0xff), static_cast<char>(word >> 8)};
+        bytes.append(reply.data.begin(), reply.data.end());
+    }
+    return bytes;
+}
+
 /// Of several boards sums, and what is so for any of them; connected are all.
 haptogram_status status_of(const std::vector<std::optional<haptogram::link::Status>>& boards, bool busy) {
     haptogram_status all{};
@@ -394,6 +429,7 @@ const char* haptogram_version(void) {
 }
 
 const char* haptogram_error(void) { return last_error.c_str(); }
+const char* haptogram_error_place(void) { return last_place.c_str(); }
 const char* haptogram_remedies(void) { return last_remedies.c_str(); }
 
 haptogram_code haptogram_compile(const haptogram_project* project, haptogram_image** image) {
@@ -625,6 +661,84 @@ haptogram_code haptogram_get_trigger_times(haptogram_board* board, haptogram_tri
         alone(board, "trigger")->ask([&](haptogram::link::Commands& device) { found = trigger_times(device); });
         give(times, {0, found.out_count, found.in_count, found.now, found.out, found.in}, "times");
     });
+}
+
+haptogram_code haptogram_open_link(const haptogram_port* port, haptogram_link** link) {
+    return guarded([&] {
+        const haptogram_port given = known_part(port, "port");
+        required(link, "link") = nullptr;
+        if (given.rig != nullptr) throw bad_argument("rig", "a link is to one board; open one for each");
+        if (given.patience_ms != 0) throw bad_argument("patience_ms", "has no meaning here; the caller waits");
+        haptogram::link::set_reference_boards(haptogram::sim::reference_line);
+        *link = new haptogram_link{
+            haptogram::link::AskedDevice({.port = required_text(given.port, "port"),
+                                          .baud = given.baud != 0 ? std::optional(given.baud) : std::nullopt})};
+    });
+}
+
+void haptogram_close_link(haptogram_link* link) {
+    guarded([&] { delete link; });
+}
+
+haptogram_code haptogram_link_identify(haptogram_link* link) {
+    return guarded([&] { required(link, "link").device.identify(); });
+}
+
+haptogram_code haptogram_link_ask(haptogram_link* link, const void* requests, size_t bytes, uint64_t gate) {
+    return guarded([&] {
+        haptogram::link::AskedDevice& device = required(link, "link").device;
+        if (gate >> 48U != 0) throw bad_argument("gate", fmt::format("found {}, expected 48 bits", gate));
+        device.ask(requests_of(requests, bytes), {gate});
+    });
+}
+
+haptogram_code haptogram_link_shut_off(haptogram_link* link) {
+    return guarded([&] { required(link, "link").device.shut_off(); });
+}
+
+haptogram_code haptogram_link_wait(haptogram_link* link, uint32_t milliseconds, int32_t* busy) {
+    return guarded([&] {
+        if (busy != nullptr) *busy = 0;
+        const bool goes_on = required(link, "link").device.wait(std::chrono::milliseconds(milliseconds));
+        if (busy != nullptr) *busy = goes_on ? 1 : 0;
+    });
+}
+
+haptogram_code haptogram_link_interrupt(haptogram_link* link) {
+    return guarded([&] { required(link, "link").device.interrupt(); });
+}
+
+size_t haptogram_link_replies(haptogram_link* link, void* to, size_t room) {
+    size_t size = 0;
+    guarded([&] { size = copy(to_bytes(required(link, "link").device.replies()), static_cast<char*>(to), room); });
+    return size;
+}
+
+haptogram_code haptogram_link_stream(haptogram_link* link, uint64_t period, const uint16_t* words, size_t patterns) {
+    return guarded([&] {
+        haptogram::link::AskedDevice& device = required(link, "link").device;
+        device.stream(period, &required(words, "words"), patterns);
+    });
+}
+
+haptogram_code haptogram_link_keep_alive(haptogram_link* link, uint32_t milliseconds) {
+    return guarded([&] { required(link, "link").device.keep_alive_every(std::chrono::milliseconds(milliseconds)); });
+}
+
+haptogram_code haptogram_get_link_state(haptogram_link* link, haptogram_link_state* state) {
+    return guarded([&] {
+        const haptogram::link::AskedDevice& device = required(link, "link").device;
+        give(state, {0, device.found_baud(), device.retransmissions()}, "state");
+    });
+}
+
+size_t haptogram_ports(char* to, size_t room) {
+    std::string ports;
+    guarded([&] {
+        for (const haptogram::link::PortInfo& port : haptogram::link::available_ports())
+            ports += fmt::format("{}\t{}\n", port.port, port.name);
+    });
+    return copy(ports, to, room);
 }
 
 }  // extern "C"

@@ -102,19 +102,9 @@ int enable(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
-/// The line to a board that is to be turned off: where its rate is not known, the question turns it off already. To one
-/// that answers at none, a break is left, which is one at any rate.
-std::unique_ptr<link::Transport> line_to_turn_off(const link::PortSettings& port) {
-    try {
-        return link::open_port(port, interface::Command::disable);
-    } catch (const link::LinkLost&) {
-        return link::open_port(port.port, port.baud.value_or(link::known_rates.back()));
-    }
-}
-
 /// Whatever state the board and the line are in: no session comes before it.
 int disable(const DeviceOptions& options) {
-    link::Client device(line_to_turn_off(options.port));
+    link::Client device(link::open_port_to_turn_off(options.port));
     if (!device.turn_off()) throw Error(ErrorCode::device, options.port.port, link::not_confirmed({}));
     if (options.json) device.identify();
     return after_change(device, options);

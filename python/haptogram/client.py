@@ -10,15 +10,11 @@ from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from . import rates
 from .board import Identity, Status
-from .chain import ChainedLine, split
-from .errors import HaptogramError, Interrupted, Refused, bad_input, device_error
+from .errors import HaptogramError, Interrupted, bad_input, device_error
 from .foci import FOCUS_BYTES, Focus
-from .frame import Reply, Request
 from .image import HIGHEST_INDEX, Image, Piece
 from .interface import (
-    KNOWN_RATES,
     PARAMETERS_BASE,
     PARAMETERS_FIELDS,
     PARAMETERS_WORDS,
@@ -40,48 +36,14 @@ from .interface import (
     pack,
     unpack,
 )
-from .port import Port, never
-from .session import Line, Session, keep_alive_pause, shut_off
+from .link import Link, Reply, Request, never
 from .trigger import ClockSample, Trigger, TriggerSettings
-from .udp import UdpLine, names_udp
 
 if TYPE_CHECKING:
     from .computing import Compiled
 
 GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
 GATE_AT_TRIGGER = GATE_AT_END - 1
-DIGEST_BYTES = 4
-
-
-def open_line(port: str, baud: int | None = None, stopped: Callable[[], bool] = never, question: Command = Command.IDENTIFY,
-              found: Callable[[int], None] = lambda baud: None) -> Line:  # fmt: skip
-    """`port` is a serial port, with "#2" behind it the second tile of a chain there, or "udp:ADDRESS[:PORT]". Without `baud`, its rate is found as
-    rates.find() says, and `found` is told it."""
-    if names_udp(port):
-        return UdpLine(port)
-    if baud is None:
-        return rates.find(port, lambda rate: open_line(port, rate, stopped), stopped, question, found)
-    path, tile = split(port)
-    line = Port(path, baud, stopped)
-    try:
-        return ChainedLine(line, tile) if tile else line
-    except BaseException:
-        line.close()
-        raise
-
-
-def _wrong_rate(port: str, baud: int, error: HaptogramError, stopped: Callable[[], bool]) -> HaptogramError:
-    """What the board that is silent at `baud` does at the rates of all boards. The port is closed."""
-    answered: list[int] = []
-    try:
-        open_line(port, None, stopped, found=answered.append).close()
-    except rates.NoAnswer:
-        tried = f"nor is there one at another rate than {baud} baud: {', '.join(map(str, KNOWN_RATES))} were tried"
-        return device_error(error.where, f"{error.message}; {tried}")
-    right = answered[0] if answered else rates.remembered(port)
-    if right == baud:
-        return error  # by now it answers
-    return device_error(error.where, f"no answer to identify at {baud} baud, but at {right}: give that rate, or none, and it is found")
 
 
 class Board:
@@ -90,44 +52,43 @@ class Board:
 
     identity: Identity
 
-    def __init__(self, line: Line, stopped: Callable[[], bool] = never) -> None:
-        self._line = line
-        self._session = Session(line, stopped=stopped)
-        self._watchdog_ms: int | None = None  # None: not known
+    def __init__(self, link: Link) -> None:
+        self._link = link
         self.identify()
 
     @classmethod
     def open(cls, port: str, baud: int | None = None, stopped: Callable[[], bool] = never,
              found: Callable[[int], None] = lambda baud: None) -> Self:  # fmt: skip
-        """All as in open_line(). Once `stopped` says true, everything but turning the outputs off raises Interrupted."""
-        line = open_line(port, baud, stopped, found=found)
+        """`port` is a serial port, with "#2" behind it the second tile of a chain there, or "udp:ADDRESS[:PORT]". Without `baud`, its rate
+        is found and remembered, and `found` is told one that had to be looked for. Once `stopped` says true, everything but turning
+        the outputs off raises Interrupted."""
+        link = Link(port, baud, stopped)
         try:
-            return cls(line, stopped)
-        except BaseException as error:
-            line.close()
-            if baud and isinstance(error, HaptogramError) and "no answer to identify" in error.message and not names_udp(port):
-                raise _wrong_rate(port, baud, error, stopped) from error
+            board = cls(link)
+        except BaseException:
+            link.close()
             raise
+        if rate := link.state().found_baud:
+            found(rate)
+        return board
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._line.close()
+        self._link.close()
 
     @property
     def retransmissions(self) -> int:
-        return self._session.retransmissions
+        return int(self._link.state().retransmissions)
 
     def identify(self) -> Identity:
         """Starts the session anew."""
-        self.identity = Identity.parse(self._session.begin(), self._line.path)
-        self._session.make_room(self.identity.frame_bytes, self.identity.live_depth)
+        self.identity = Identity.parse(self._link.begin())
         return self.identity
 
     def status(self) -> Status:
-        request = Request(Command.STATUS, answer=self.identity.status_bytes)
-        return Status.parse(self._session.exchange([request])[0].data, self.identity, self._line.path)
+        return Status.parse(self._ask(Command.STATUS).data)
 
     def enable(self) -> None:
         """Raises HaptogramError when the board does not confirm, and then tries to turn the outputs off again."""
@@ -138,20 +99,21 @@ class Board:
             raise
 
     def disable(self) -> None:
-        """Whatever came before, also when the board has answered nothing for a while."""
-        self._session.urge(Command.DISABLE)
+        """As shut_off()."""
+        self.shut_off()
 
     def stop(self) -> None:
-        """As disable(), but the outputs stay on when the board confirms."""
-        self._session.urge(Command.STOP)
+        """Silence after the present cycle; outputs stay as they are."""
+        self._ask(Command.STOP)
 
     def shut_off(self) -> None:
-        """Outputs off and silence, whatever came before. Raises HaptogramError when the board does not confirm."""
-        shut_off(self._session, self._watchdog_ms)
+        """Outputs off and silence, whatever came before, also when the board has answered nothing for a while. Raises HaptogramError when the
+        board does not confirm."""
+        self._link.shut_off()
 
     def until_next(self) -> float:
         """Seconds until the board must be asked something again inside of outputs(), which keeps its watchdog quiet."""
-        return self._session.rest()
+        return self._link.rest()
 
     def rest(self, pause: Callable[[float], object] = time.sleep) -> None:
         """Sleeps until then, or as `pause` does, which is told the seconds and may end early."""
@@ -164,31 +126,18 @@ class Board:
     def reset(self) -> None:
         """As after power-up, but memories and session stay."""
         self._ask(Command.RESET)
-        self._watchdog_ms = None
 
     def select(self, index: int, dwell: int = 0) -> None:
         self._ask(Command.SELECT, index, dwell)
 
     def _gated(self, command: Command, *words: int, period: int | None, at_end: bool = False, on_trigger: bool = False) -> Reply:
         """A command that waits for a carrier period, the end of what plays, the trigger, or nothing."""
-        request = Request(command, _pack(command, words))
-        if period is None and not at_end and not on_trigger:
-            return self._session.exchange([request])[0]
         if (period is not None) + at_end + on_trigger > 1:
             raise bad_input("period", "expected one of a period, the end of what plays, and the trigger")
-        if not self.identity.features >> Feature.SCHEDULE & 1:
-            raise device_error("board", "its changes cannot wait; that takes a board with the parameter SCHEDULE")
-        if on_trigger and not self.identity.features >> Feature.TRIGGER & 1:
-            raise device_error("board", "it has no trigger input; that takes a board with the parameter TRIGGER")
         if period is not None and not 0 < period < GATE_AT_TRIGGER:
             raise bad_input("period", f"{period}, expected 1 to {GATE_AT_TRIGGER - 1}")
-        gate = period if period is not None else GATE_AT_TRIGGER if on_trigger else GATE_AT_END
-        gate_request = Request(Command.GATE, _pack(Command.GATE, (gate & 0xFFFF, gate >> 16 & 0xFFFF, gate >> 32)))
-        try:
-            return self._session.exchange([gate_request, request])[1]
-        except Refused:
-            self._ask(Command.GATE, 0, 0, 0)  # or the next command would wait in the place of this one
-            raise
+        gate = GATE_AT_END if at_end else GATE_AT_TRIGGER if on_trigger else period or 0
+        return self._link.exchange([Request(command, _pack(command, words))], gate)[0]
 
     def push(self, indices: Sequence[int], dwell: int, period: int | None = None) -> int:
         """Appends indices to the live FIFO, all or none; returns how many entries it holds now. They are not played before the
@@ -267,30 +216,28 @@ class Board:
     def set_role(self, role: Role) -> None:
         """Resets the board, and then keeps its carrier cycles in step with other boards."""
         self._ask(Command.SYNC, int(role))
-        self._watchdog_ms = None
 
     def set_watchdog(self, milliseconds: int) -> None:
         self._ask(Command.WATCHDOG, milliseconds)
-        self._watchdog_ms = milliseconds
 
-    def tell(self, requests: Sequence[Request]) -> None:
-        """Requests that have no answer; see PatternStream."""
-        self._session.tell(requests)
+    def send_patterns(self, period: int, words: memoryview, patterns: int) -> None:
+        """Patterns, which have no answer; see PatternStream."""
+        self._link.stream(period, words, patterns)
 
     def write(self, address: int, data: bytes) -> None:
         """At most one record."""
         most = 2 * (self.identity.channels + RECORD_HEADER_WORDS)
         if len(data) > most:
             raise bad_input("write", f"{len(data)} bytes, expected at most {most}, as a record of this board has")
-        self._session.exchange([_write(Piece(address, data))])
+        self._link.exchange([_write(Piece(address, data))])
 
     def read(self, address: int, size: int) -> bytes:
         """At most one record."""
-        return self._session.exchange([_read(address, size)])[0].data
+        return self._link.exchange([_read(address, size)])[0].data
 
     def digest(self, address: int, size: int) -> int:
         """CRC-32 of memory, as zlib.crc32 has it; at most one record."""
-        return _digest_of(self._session.exchange([_digest(address, size)])[0])
+        return _digest_of(self._link.exchange([_digest(address, size)])[0])
 
     @contextlib.contextmanager
     def outputs(self, watchdog_ms: int = 500, unless: Callable[[], bool] = never) -> Iterator[None]:
@@ -298,20 +245,20 @@ class Board:
         turns them off. When `unless` says true before they are on, raises Interrupted."""
         self.set_watchdog(watchdog_ms)
         if unless():
-            raise Interrupted(self._line.path)
-        self._session.keep_alive = keep_alive_pause(watchdog_ms)
+            raise Interrupted(self._link.path)
+        self._link.keep_alive(watchdog_ms)
         try:
             self._ask(Command.ENABLE)
             yield
         except BaseException as error:
             self._shut_off_after(error)
             raise
-        finally:
-            self._session.keep_alive = None
         self.shut_off()
 
     def _shut_off_after(self, error: BaseException) -> None:
         """Notes at an error if the outputs may still be on; of whatever else ended the program, that becomes the error."""
+        if not isinstance(error, HaptogramError) or isinstance(error, Interrupted):
+            self._link.interrupt()
         try:
             self.shut_off()
         except HaptogramError as failure:
@@ -321,7 +268,7 @@ class Board:
 
     def different(self, pieces: Sequence[Piece]) -> list[Piece]:
         """The pieces that the board does not hold, told by their digests."""
-        replies = self._session.exchange([_digest(piece.address, len(piece.data)) for piece in pieces])
+        replies = self._link.exchange([_digest(piece.address, len(piece.data)) for piece in pieces])
         return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest_of(reply) != zlib.crc32(piece.data)]
 
     def upload(self, image: "Image | Compiled", where: str = "image") -> int:
@@ -330,7 +277,7 @@ class Board:
         image = image if isinstance(image, Image) else image.image
         image.require_fits(self.identity, where)
         unread, stale = image.unread_pieces(), self.different(image.pieces())
-        self._session.exchange([_write(piece) for piece in unread + stale])
+        self._link.exchange([_write(piece) for piece in unread + stale])
         for piece in self.different(stale):
             raise device_error(where, f"the board's memory still differs from address {piece.address:#010x} on; send it again")
         if image.modulation:
@@ -365,7 +312,7 @@ class Board:
     def compare(self, image: Image, where: str = "image") -> None:
         """Reads the image's places back. Raises HaptogramError naming the first difference."""
         pieces = image.pieces()
-        replies = self._session.exchange([_read(piece.address, len(piece.data)) for piece in pieces])
+        replies = self._link.exchange([_read(piece.address, len(piece.data)) for piece in pieces])
         for piece, reply in zip(pieces, replies, strict=True):
             if reply.data != piece.data:
                 at = piece.address + len(os.path.commonprefix([piece.data, reply.data]))
@@ -398,10 +345,10 @@ class Board:
 
     def _read_long(self, base: int, total: int, size: int) -> bytes:
         requests = [_read(base + at, min(size, total - at)) for at in range(0, total, size)]
-        return b"".join(reply.data for reply in self._session.exchange(requests))
+        return b"".join(reply.data for reply in self._link.exchange(requests))
 
     def _ask(self, command: Command, *words: int) -> Reply:
-        return self._session.exchange([Request(command, _pack(command, words))])[0]
+        return self._link.exchange([Request(command, _pack(command, words))])[0]
 
 
 Client = Board  # its name in earlier versions; the next one has only Board
@@ -414,16 +361,16 @@ def _pack(command: Command, words: Sequence[int]) -> bytes:
     return struct.pack(f"<{len(words)}H", *words)
 
 
-def _about(command: Command, address: int, size: int, answer: int) -> Request:
-    return Request(command, _pack(command, (address & 0xFFFF, address >> 16, size)), answer)
+def _about(command: Command, address: int, size: int) -> Request:
+    return Request(command, _pack(command, (address & 0xFFFF, address >> 16, size)))
 
 
 def _read(address: int, size: int) -> Request:
-    return _about(Command.READ, address, size, size)
+    return _about(Command.READ, address, size)
 
 
 def _digest(address: int, size: int) -> Request:
-    return _about(Command.DIGEST, address, size, DIGEST_BYTES)
+    return _about(Command.DIGEST, address, size)
 
 
 def _digest_of(reply: Reply) -> int:

@@ -2,6 +2,7 @@
 """What each command of haptogram-py does."""
 import argparse
 import contextlib
+import ctypes
 import dataclasses
 import json
 import signal
@@ -10,16 +11,14 @@ import time
 from collections.abc import Mapping
 from io import FileIO
 
-from serial.tools import list_ports
-
-from . import rates
-from .client import Board, open_line
+from .client import Board
 from .driving import play, stream
 from .errors import ErrorCode, HaptogramError, bad_input, device_error
 from .image import Image
-from .interface import KNOWN_RATES, Command, Feature, Role
+from .interface import Feature, Role
+from .library import library
 from .lines import batches
-from .session import Line, Session, shut_off
+from .link import Link, never
 
 TOGETHER_S = 0.3  # signals within it are one: a terminal that closes sends several
 
@@ -61,19 +60,14 @@ def connect(options: argparse.Namespace, interrupt: Interrupt | None = None) -> 
 
 
 def tell_rate(port: str, baud: int) -> None:
-    print(f"haptogram-py: {port}: it answers at {baud} baud, which is remembered", file=sys.stderr)
-
-
-def line_to_turn_off(options: argparse.Namespace, question: Command) -> Line:
-    """Where the rate is not known, the question turns off already. To a board that answers at none, a break is left, which is one at any rate."""
-    try:
-        return open_line(options.port, options.baud, question=question, found=lambda baud: tell_rate(options.port, baud))
-    except rates.NoAnswer:
-        return open_line(options.port, KNOWN_RATES[-1])
+    if baud:
+        print(f"haptogram-py: {port}: it answers at {baud} baud, which is remembered", file=sys.stderr)
 
 
 def device_list(options: argparse.Namespace) -> None:
-    ports = [{"port": port.device, "name": port.description} for port in sorted(list_ports.comports()) if port.vid is not None]
+    text = ctypes.create_string_buffer(library().haptogram_ports(None, 0))
+    library().haptogram_ports(text, len(text))
+    ports = [dict(zip(("port", "name"), line.split("\t"))) for line in text.raw.decode("utf-8", "backslashreplace").splitlines()]
     if options.json:
         print(json.dumps(ports, indent=1))
     else:
@@ -105,14 +99,16 @@ def device_enable(options: argparse.Namespace) -> None:
 def device_disable(options: argparse.Namespace) -> None:
     """Asks for no session, which a bad line or another state of the board may not allow."""
     Interrupt()
-    with contextlib.closing(line_to_turn_off(options, Command.DISABLE)) as line:
-        shut_off(Session(line))
+    with contextlib.closing(Link(options.port, options.baud, never)) as link:
+        try:
+            link.shut_off()
+        finally:
+            tell_rate(options.port, link.state().found_baud)
 
 
 def device_stop(options: argparse.Namespace) -> None:
-    Interrupt()
-    with contextlib.closing(line_to_turn_off(options, Command.STOP)) as line:
-        Session(line).urge(Command.STOP)
+    with connect(options) as board:
+        board.stop()
 
 
 def device_modulate(options: argparse.Namespace) -> None:

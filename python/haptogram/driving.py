@@ -11,7 +11,7 @@ from typing import NamedTuple
 from .board import Status
 from .client import Board
 from .errors import Interrupted, bad_input, device_error
-from .port import never
+from .link import never
 
 Entry = tuple[int, int]  # index; dwell in cycles, 0 until the next
 FULL_PAUSE_S = 0.001  # until a full live FIFO is looked at again

@@ -22,31 +22,9 @@ DESCRIPTION_MAGIC = 0x4748
 DESCRIPTION_FORMAT = 1
 DESCRIPTION_LONG_FORMAT = 2
 LONGEST_CYCLE_S = 1.0
-
-# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
-LINK_WINDOW = 16
-LINK_PATIENCE_MS = 300
-LINK_MOST_PATIENCE_MS = 10000
-LINK_TRIES = 32
-LINK_LOST_MS = 10000
-LINK_FIRST_TRIES = 8
-LINK_MOST_STRANGE = 4
-LINK_ASKING_BYTES = 12
 LINK_KEEP_ALIVE_MS = 100
 LINK_KEEP_ALIVE_SHARE = 5
-
 KNOWN_RATES = (3000000, 1000000, 115200)
-PROBE_PATIENCE_MS = 150
-PROBE_ROUNDS = 4
-
-CHAIN_ALL = 2
-CHAIN_MOST_TILES = 126
-NETWORK_PORT = 4807
-NETWORK_OPEN_PORT = 4808
-NETWORK_DATAGRAM_BYTES = 1472
-NETWORK_SILENCE_MS = 1000
-NETWORK_PATIENCE_MS = 10
-NETWORK_WINDOW = 24
 
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci", "sync", "sync_misses", "sync_losses", "late_changes", "period_low", "period_middle", "period_high", "stream_late", "stream_lost", "stream_early", "stream_repeated"]
@@ -55,33 +33,6 @@ RING_WORDS = ["base", "first", "count"]
 STREAM_WORDS = ["first", "slot_form", "hold", "fade"]
 TRIGGER_WORDS = ["out_form", "out_periods", "out_length_low", "out_length_high", "in_form", "in_least", "test_form", "test_channel", "now_low", "now_middle", "now_high", "out_count", "out_low", "out_middle", "out_high", "in_count", "in_low", "in_middle", "in_high"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high", "board_records", "modulation_samples", "modulation_divider", "min_pulse_clocks"]
-
-# Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.
-PARAMETER_RANGES = {
-    "channels": (2, 1000, False, False),
-    "records": (1, 65534, False, False),
-    "sequence_depth": (2, 32767, False, False),
-    "live_depth": (4, 32768, True, False),
-    "timing_bits": (4, 16, False, False),
-    "pulse_bits": (1, 8, False, False),
-    "clock_hz": (1000000, 1000000000, False, False),
-    "baud": (1, 125000000, False, False),
-    "watchdog_ms": (0, 65535, False, False),
-    "max_high_clocks": (64, 16777215, False, False),
-    "min_pulse_clocks": (1, 65535, False, False),
-    "max_duty_256": (1, 255, False, False),
-    "width_bits": (6, 16, False, True),
-    "modulation_depth": (4, 65536, True, True),
-    "slew": (0, 1, False, False),
-    "foci": (8, 8, False, True),
-    "schedule": (0, 1, False, False),
-    "sync": (0, 1, False, False),
-    "chain": (0, 1, False, False),
-    "net": (0, 1, False, False),
-    "stream": (4, 1024, True, True),
-    "trigger": (0, 1, False, False),
-    "sdram": (4, 8, True, True),
-}
 
 STATUS_UNTIMED_WORDS = 17  # of boards without schedule
 STATUS_UNSTREAMED_WORDS = 21  # of boards without stream

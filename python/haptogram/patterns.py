@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A pattern for each carrier period, live: see "A stream of patterns" in rtl/INTERFACE.md."""
-import struct
 import time
 from collections.abc import Callable
 
 from .board import Status
 from .client import Board
 from .errors import bad_input, device_error
-from .frame import Request
 from .interface import (
     PRIMARY_BASE,
     RECORD_FIELDS,
@@ -15,7 +13,6 @@ from .interface import (
     STREAM_BASE,
     STREAM_FIELDS,
     STREAM_WORDS,
-    Command,
     Feature,
     Kind,
     pack,
@@ -45,7 +42,6 @@ class PatternStream:
             raise bad_input("slots", f"{slots} from record {first} on, expected a power of two from {LEAST_SLOTS} on, and all of them within the {board.identity.records} records")
         self.slots = slots
         self.pattern_bytes = 2 * board.identity.channels
-        self._each = (board.identity.frame_bytes - 8) // self.pattern_bytes
         header = pack(RECORD_FIELDS, 2 * RECORD_HEADER_WORDS, cycle_length=round(board.identity.clock_hz / CARRIER_HZ), prescaler=1, kind=Kind.AMPLITUDES)
         for slot in range(slots):
             board.write(PRIMARY_BASE + (first - 1 + slot) * record_bytes, header)
@@ -65,11 +61,7 @@ class PatternStream:
         count, rest = divmod(len(data), self.pattern_bytes)
         if rest or not count:
             raise bad_input("patterns", f"{len(data)} bytes, expected a multiple of {self.pattern_bytes}, those of a pattern")
-        requests = []
-        for begin in range(0, count, self._each):
-            at = struct.pack("<Q", period + begin)[:6]
-            requests.append(Request(Command.STREAM, at + bytes(data[begin * self.pattern_bytes : (begin + self._each) * self.pattern_bytes])))
-        self._board.tell(requests)
+        self._board.send_patterns(period, data, count)
         return count
 
     def play(self, source: Callable[[int, int], Buffer | None], watch: Callable[[Status], None] = lambda status: None) -> Status:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The library as ctypes sees it, made from the header itself."""
+"""The library as ctypes sees it, by what tools/c_header.py has written for Python."""
 import ctypes
 import os
 import sys
@@ -7,12 +7,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "python"))
 import c_header  # noqa: E402
+from haptogram import native  # noqa: E402
 
 LIBRARY = Path(os.environ.get("HAPTOGRAM_LIBRARY", ROOT / "build/release/host/c/libhaptogram.so")).resolve()
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
-NUMBERS = {"uint8_t": ctypes.c_uint8, "int32_t": ctypes.c_int32, "uint32_t": ctypes.c_uint32, "uint16_t": ctypes.c_uint16, "uint64_t": ctypes.c_uint64,
-           "double": ctypes.c_double, "size_t": ctypes.c_size_t, "haptogram_code": ctypes.c_int}
 
 
 class Haptogram:
@@ -21,26 +21,11 @@ class Haptogram:
     def __init__(self):
         self.header = c_header.read()
         self.library = ctypes.CDLL(str(LIBRARY))
-        self.structs = {}
-        for name, members in self.header.structs.items():
-            fields = [(p.name, self.type_of(p)) for p in members]
-            self.structs[name] = type(name, (ctypes.Structure,), {"_fields_": fields})
-        for name, (returns, given) in self.header.functions.items():
+        self.structs = {name: getattr(native, c_header.camel(name)) for name in self.header.structs}
+        for name, (returns, given) in native.FUNCTIONS.items():
             function = getattr(self.library, name)
-            function.argtypes = [self.type_of(p) for p in given]
-            function.restype = None if returns.type == "void" and not returns.stars else self.type_of(returns)
+            function.restype, function.argtypes = returns, given
             setattr(self, name.removeprefix("haptogram_"), function)
-
-    def type_of(self, p):
-        if p.stars == 0:
-            return NUMBERS[p.type]
-        if p.stars == 1 and p.type == "char" and p.const:
-            return ctypes.c_char_p
-        if p.stars == 1 and p.type in self.structs:
-            return ctypes.POINTER(self.structs[p.type])
-        if p.stars == 1 and p.type in NUMBERS:
-            return ctypes.POINTER(NUMBERS[p.type])
-        return ctypes.POINTER(ctypes.c_void_p) if p.stars == 2 else ctypes.c_void_p
 
     def struct(self, name, **values):
         if name == "playing":

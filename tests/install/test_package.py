@@ -2,9 +2,11 @@
 """Other people's projects, out of the tree: with the installed package, by find_package and by pkg-config, and with the sources."""
 import gzip
 import json
+import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -126,6 +128,14 @@ def studio_address(program):
     finally:
         studio.terminate()
         studio.communicate(timeout=60)
+
+
+def test_the_runner_of_studies_drives_boards(package):
+    """By the library of its prefix."""
+    say = "from haptogram import library, Board; print(library.find_library(), Board.open('reference:tile-100').identity.channels)"
+    environment = {name: value for name, value in os.environ.items() if name != "HAPTOGRAM_LIBRARY"} | {"PYTHONPATH": str(package / "share/haptogram/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+    said = subprocess.run([sys.executable, "-c", say], env=environment, capture_output=True, text=True)
+    assert said.stdout.startswith(str(package)) and said.stdout.endswith("libhaptogram.so.1 100\n"), said
 
 
 def test_the_installed_studio_has_its_page(package, work):

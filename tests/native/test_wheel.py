@@ -46,6 +46,7 @@ def test_every_command_starts(place):
 def test_packages_come_from_it(place):
     for name in ("haptogram/py.typed", "haptogram_study/printed.toml", "haptogram_native/py.typed", "haptogram_native/_native.pyi", "haptogram_sweep/py.typed"):
         assert (place / name).exists(), name
+    assert "100" in run(place, sys.executable, "-c", "import haptogram; print(haptogram.Board.open('reference:tile-100').identity.channels)")
     say = "import haptogram, haptogram_native as n; print(haptogram.__file__, n.__file__, len(n.Array.find('tile-10x10')))"
     client, native, elements = run(place, sys.executable, "-c", say).split()
     assert client.startswith(str(place)) and native.startswith(str(place)) and elements == "100"

@@ -122,8 +122,8 @@ def test_upload_writes_what_differs_and_download_brings_it_back(board, folder, i
 def test_upload_notices_a_memory_that_forgets(board, image):
     board.upload(image)
     board.write(PRIMARY_BASE, b"xy")
-    write = board._session.exchange
-    board._session.exchange = lambda requests: [] if requests and requests[0].command == 2 else write(requests)
+    write = board._link.exchange
+    board._link.exchange = lambda requests, gate=0: [] if requests and requests[0].command == 2 else write(requests, gate)
     with refusal(HaptogramError):
         board.upload(image)
 

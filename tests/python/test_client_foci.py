@@ -96,7 +96,7 @@ def test_foci_are_changed_while_they_play(wide):
 
 def test_the_program_plays_streams_and_modulates_foci(wide):
     folder, board = wide
-    board._line.close()
+    board.__exit__(None, None, None)
     said = json.loads(ask(folder, "upload", "two.hex", "--verify", "--json"))
     assert (said["records"], said["sequence_entries"], said["verified"]) == (1, 2, True)
     (folder / "lines").write_text("257 9\n0 3\n257\n")

@@ -114,7 +114,7 @@ def test_the_board_goes_while_playing(folder):
         board.kill()
         message = host.communicate(timeout=300)[1]
     assert host.returncode == DEVICE
-    assert "the port is gone" in message and "the watchdog turns the outputs off" in message and "Traceback" not in message
+    assert "the port is gone" in message and "its watchdog turns them off 60000 ms after" in message and "Traceback" not in message
 
 
 @pytest.mark.parametrize("port", ["nowhere", "/dev/null"])

@@ -123,8 +123,7 @@ struct Bundle {
 
 /// What an image plays in one pass: the foci of each record, at the record's amplitude, for as long as it lasts.
 [[nodiscard]] Path path_of(const Bundle& bundle);
-/// The places of one pass, for speed and spacing: without regard to a modulation, a step of silence has no foci, the
-/// strongest focus of any other has amplitude 1, and neighbours with the same foci become one step.
+/// The places of one pass, for speed and spacing, by add_places(): a step of silence has no foci.
 [[nodiscard]] Path places_of(const Manifest& manifest, std::span<const SequenceEntry> pass);
 
 }  // namespace haptogram

@@ -58,13 +58,11 @@ void require_sound(const Path& path);
 /// @throws Error{bad_argument} naming "amplitude" for any other
 void weaken(Path& path, double amplitude);
 
-/// The foci of one step whose strongest has amplitude 1, without places where pressure is held down; and a key by which
-/// such foci can be told apart, rounded, as factors are not exact.
+/// The foci of a step, none of amplitude 0, whose strongest has amplitude 1; and a key of such foci, rounded.
 [[nodiscard]] std::vector<Focus> without_factor(std::vector<Focus> foci);
 [[nodiscard]] std::vector<std::array<double, 4>> key_of(const std::vector<Focus>& foci);
 
-/// Adds a step, or makes the last one longer when its foci are the same but for a common factor: a modulation's samples
-/// are no places of their own.
+/// Adds a step, or makes the last one longer when its foci are the same but for a common factor, as of a modulation.
 void add_places(Path& path, const std::vector<Focus>& foci, std::uint32_t periods);
 
 }  // namespace haptogram

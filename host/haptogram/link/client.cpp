@@ -357,6 +357,7 @@ void Client::begin(std::function<void()> begun) {
     transport_.write(Bytes{0});
     submit({Command::identify, {}}, [this, begun = std::move(begun)](const Reply& reply) {
         identity_ = to_identity(reply.data);
+        identity_block_ = reply.data;
         in_doubt_ = false;
         most_asking_ = std::max<std::size_t>(1, identity_.frame_bytes / policy::asking_bytes);
         if (begun) begun();

@@ -34,6 +34,8 @@ public:
     /// does.
     void begin(std::function<void()> begun);
     [[nodiscard]] const Identity& identity() const override { return identity_; }
+    /// As it came, for who takes it apart himself.
+    [[nodiscard]] const Bytes& identity_block() const { return identity_block_; }
 
     /// Turns the outputs off ahead of everything, and needs no session for it: drops what is queued, takes back what
     /// has not left the port, and sends disable and stop, which act whatever their numbers. Returns at once; exchange()
@@ -137,6 +139,7 @@ private:
     std::unique_ptr<Transport> owned_;
     Transport& transport_;
     Identity identity_;
+    Bytes identity_block_;
     ReplyDecoder decoder_;
     std::deque<Pending> queue_;
     std::size_t kept_alive_ = 0;  // of the queue: what keeps_alive

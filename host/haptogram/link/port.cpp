@@ -171,6 +171,14 @@ std::unique_ptr<Transport> open_port(const PortSettings& settings, interface::Co
                                to_string(question), fmt::join(rates, ", ")));
 }
 
+std::unique_ptr<Transport> open_port_to_turn_off(const PortSettings& settings) {
+    try {
+        return open_port(settings, interface::Command::disable);
+    } catch (const LinkLost&) {
+        return open_port(settings.port, settings.baud.value_or(known_rates.back()));
+    }
+}
+
 std::vector<PortInfo> available_ports() {
     std::vector<PortInfo> ports;
     std::error_code error;  // a folder that does not exist has no ports

@@ -47,6 +47,10 @@ inline constexpr std::string_view reference_prefix = "reference:";
                                                    interface::Command question = interface::Command::identify,
                                                    unsigned rounds = probe_rounds);
 
+/// The port of a board whose outputs are to be turned off: where its rate is not known, the question turns them off
+/// already. To one that answers at none, a break is left, which is one at any rate.
+[[nodiscard]] std::unique_ptr<Transport> open_port_to_turn_off(const PortSettings& settings);
+
 /// A port that a device may be behind.
 struct PortInfo {
     std::string port;  ///< what PortSettings take

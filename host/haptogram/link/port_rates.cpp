@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file has a line "RATE PORT" for each port, the latest last; haptogram/rates.py has the same.
+// The file has a line "RATE PORT" for each port, the latest last.
 #include "haptogram/link/port_rates.hpp"
 
 #include <fmt/format.h>

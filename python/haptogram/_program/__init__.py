@@ -6,6 +6,7 @@ import pathlib
 import sys
 
 PROGRAM = pathlib.Path(__file__).parent / "bin/haptogram"
+LIBRARY = pathlib.Path(__file__).parent / "lib/libhaptogram.so"
 
 
 def main() -> None:
