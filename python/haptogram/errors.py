@@ -27,20 +27,6 @@ class Interrupted(HaptogramError):
         super().__init__(ErrorCode.RUN_FAILED, where, "interrupted before it was done")
 
 
-class Refused(HaptogramError):
-    """A board has refused a command."""
-
-    def __init__(self, where: str, message: str) -> None:
-        super().__init__(ErrorCode.DEVICE, where, message)
-
-
-class RateRefused(HaptogramError):
-    """A port cannot be set to a rate."""
-
-    def __init__(self, where: str, message: str) -> None:
-        super().__init__(ErrorCode.DEVICE, where, message)
-
-
 def bad_input(where: str, message: str) -> HaptogramError:
     return HaptogramError(ErrorCode.BAD_INPUT, where, message)
 

@@ -21,7 +21,7 @@
 #include "haptogram/format/image.hpp"
 #include "haptogram/format/pulses.hpp"
 #include "haptogram/format/waveform.hpp"
-#include "haptogram/formats/readers.hpp"
+#include "haptogram/formats/parts.hpp"
 #include "haptogram/hand/joints.hpp"
 #include "haptogram/hand/recording.hpp"
 #include "haptogram/link/frame.hpp"

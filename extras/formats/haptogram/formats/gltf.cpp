@@ -11,7 +11,6 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/json_member.hpp"
 #include "haptogram/formats/parts.hpp"
-#include "haptogram/formats/readers.hpp"
 
 namespace haptogram::formats {
 namespace {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
-#include "haptogram/formats/readers.hpp"
+#include "haptogram/formats/parts.hpp"
 
 namespace haptogram::formats {
 namespace {
@@ -30,7 +32,7 @@ public:
     std::size_t whole(double least, double end, const std::string& what) {
         const std::string_view word = take_word(rest);
         const double value = parse_number(word).value_or(-1.0);
-        if (!is_whole(value, end) || value < least)
+        if (!(value >= least && value < end && value == std::floor(value)))
             throw bad_input(place(), fmt::format("found {}, expected {}; export the shape again",
                                                  word.empty() ? "the end of the line" : shown(word), what));
         return static_cast<std::size_t>(value);

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+// Each reader takes a whole file and makes of it what shape/formats.hpp does, with its errors.
 #pragma once
 #include <fmt/format.h>
 
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
 #include "haptogram/shape/formats.hpp"
+#include "haptogram/shape/readers.hpp"
 
 namespace haptogram::formats {
 
@@ -51,5 +55,19 @@ inline void require_small(const Polygons& polygons, std::size_t more, const std:
         throw bad_input(name, fmt::format("its parts come to more than {} points; export fewer, or simplify the shape",
                                           most_points));
 }
+
+/// Meshes and clouds as text, without colours.
+[[nodiscard]] Polygons read_off(const ShapeFile& file);
+/// Clouds of the Point Cloud Library, in the file's unit. Points of NaN are unseen pixels.
+[[nodiscard]] Polygons read_pcd(const ShapeFile& file);
+/// What a 3MF file builds: meshes of objects and their components, each at its place.
+[[nodiscard]] Polygons read_three_mf(const ShapeFile& file);
+/// The same, unpacked. @param part  the content of a file in it, if there is one
+using Parts = std::function<std::optional<std::string>(const std::string& part)>;
+[[nodiscard]] Polygons read_three_mf_parts(const Parts& part, const std::string& name);
+/// The default scene of a glTF or GLB file, in metres, with y upwards as the file has it.
+[[nodiscard]] Polygons read_gltf(const ShapeFile& file);
+/// The outlines of a drawing, as curves in the plane z = 0, with y upwards.
+[[nodiscard]] Polygons read_svg(const ShapeFile& file);
 
 }  // namespace haptogram::formats

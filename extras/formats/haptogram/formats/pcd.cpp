@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "haptogram/formats/parts.hpp"
-#include "haptogram/formats/readers.hpp"
 
 namespace haptogram::formats {
 namespace {

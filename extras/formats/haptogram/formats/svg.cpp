@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "haptogram/formats/parts.hpp"
-#include "haptogram/formats/readers.hpp"
 #include "haptogram/formats/svg_path.hpp"
 #include "haptogram/formats/xml.hpp"
 

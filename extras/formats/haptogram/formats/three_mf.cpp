@@ -10,7 +10,6 @@
 
 #include "haptogram/base/bundle.hpp"
 #include "haptogram/formats/parts.hpp"
-#include "haptogram/formats/readers.hpp"
 #include "haptogram/formats/xml.hpp"
 
 namespace haptogram::formats {
