@@ -21,7 +21,7 @@ def find_library() -> str:
         return given
     here = Path(__file__).resolve()
     places = [LIBRARY, here.parents[2] / "build/release/host/c" / NAME]
-    places += [found for folder in ("lib", "lib/*", "lib64") for found in here.parents[4].glob(f"{folder}/{NAME}")] if here.parts[-5:-2] == ("share", "haptogram", "python") else []
+    places += [found for folder in ("lib", "lib/*", "lib64") for found in here.parents[4].glob(f"{folder}/{NAME}")] if here.parents[1].match("share/haptogram/python") else []
     return next((str(place) for place in places if place.exists()), NAME)
 
 
