@@ -172,12 +172,12 @@ void Client::take(const Reply& reply) {
     if (sent == on_line_.end()) return;  // an answer to an earlier user of the port
     const bool of_this_round = sent->round == round_, since_first = sent->round > first_round_;
     on_line_.erase(on_line_.begin(), sent + 1);
-    // An answer to a frame that has been sent again because none came shows that this was too early.
-    if (applied(reply) && !of_this_round && round_is_late_) patience_ = std::min(2 * patience_, most_patience_);
     const auto place = static_cast<std::uint8_t>(reply.sequence - next_);
-    if (place >= std::min<std::size_t>(queue_.size(), transport_.window()) || queue_[place].reply ||
-        reply.command != queue_[place].request.command)
-        return;
+    const bool wanted = place < std::min<std::size_t>(queue_.size(), transport_.window()) && !queue_[place].reply;
+    // A second answer to a frame that has been sent again because none came shows that this was too early. A first one
+    // does not tell to which of the two it is.
+    if (applied(reply) && !wanted && round_is_late_) patience_ = std::min(2 * patience_, most_patience_);
+    if (!wanted || reply.command != queue_[place].request.command) return;
     if (reply.command == Command::identify && place == 0 && !begins(reply)) return begin_anew();
     // What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.
     if (reply.status == interface::Status::session_ended)
