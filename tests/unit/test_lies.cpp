@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <catch2/catch.hpp>
+#include <random>
 #include <set>
 
 #include "../refusal.hpp"
@@ -446,6 +447,22 @@ TEST_CASE("lies: a link is lost after ten seconds, however long the patience has
     REQUIRE_THROWS_AS(client.request({Command::keep_alive, {}}), LinkLost);
     CHECK((board.time - begun) / 1ms >= 9000);
     CHECK((board.time - begun) / 1ms <= 11000);
+}
+
+TEST_CASE("lies: what a line loses is asked for again within the line's patience, however often", "[link]") {
+    LyingBoard board;
+    board.its_patience = 10ms;
+    Client client(board);
+    client.identify();
+    std::mt19937 g(Catch::rngSeed());
+    const auto loses = [&g] { return g() % 20 == 0; };
+    board.hears = [&] { return !loses(); };
+    board.lie = [&](Reply reply) { return loses() ? std::vector<Reply>{} : std::vector{std::move(reply)}; };
+    const nanoseconds begun = board.time;
+    for (int i = 0; i < 1000; ++i) client.request({Command::keep_alive, {}});
+    REQUIRE(client.retransmissions() > 50);
+    CHECK(client.slowness() == 1);
+    CHECK((board.time - begun) / 1ms <= 12 * static_cast<long>(client.retransmissions()) + 1000);
 }
 
 TEST_CASE("lies: a rig whose master's count of periods stands still is told so, and can be interrupted", "[link]") {

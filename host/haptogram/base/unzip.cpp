@@ -75,18 +75,17 @@ std::optional<std::string> read_bundled(const std::filesystem::path& path) {
 }
 
 std::optional<std::string> read_zipped(std::string_view zip, const std::string& inside, const std::string& where) {
+    std::FILE* const file = std::tmpfile();  // which the archive closes
+    if (file == nullptr || std::fwrite(zip.data(), 1, zip.size(), file) != zip.size() || std::fflush(file) != 0) {
+        if (file != nullptr) std::fclose(file);
+        throw bad_input(
+            where, fmt::format("no room for {} bytes in the folder of temporary files; make room there", zip.size()));
+    }
+    std::rewind(file);
     zlib_filefunc64_def files{};
     fill_fopen64_filefunc(&files);
-    files.opaque = &zip;
-    files.zopen64_file = [](voidpf bytes, const void*, int) -> voidpf {
-        const auto& content = *static_cast<const std::string_view*>(bytes);
-        std::FILE* const file = std::tmpfile();
-        if (file != nullptr) {
-            std::fwrite(content.data(), 1, content.size(), file);
-            std::rewind(file);
-        }
-        return file;
-    };
+    files.opaque = file;
+    files.zopen64_file = [](voidpf opened, const void*, int) { return opened; };
     const Archive archive(unzOpen2_64(where.c_str(), &files));
     if (!archive) throw bad_input(where, "it is no zip file, or a damaged one; export or download it again");
     constexpr int without_case = 2;
