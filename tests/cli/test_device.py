@@ -2,6 +2,7 @@
 """A board behind a serial port: `haptogram board run` and the commands that speak to it, each a process of its own."""
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -213,7 +214,7 @@ def test_what_a_stream_asks_for_and_does_not_get_is_told(tmp_path):
     (tmp_path / "lines").write_text("1 10\n300 10\n2 10\n")  # an index that the board has, and no record
     with virtual_board(tmp_path, "--image", "circle.hex"):
         assert json.loads(ask(tmp_path, "stream", "lines", "--json").stdout)["refused_records"] == 1
-        assert b"3 indices, 0 underruns, 1 refused records" in ask(tmp_path, "stream", "lines").stdout
+        assert re.search(rb"3 indices, \d+ underruns, 1 refused records", ask(tmp_path, "stream", "lines").stdout)
 
 
 def test_a_part_of_the_sequence_ends_as_asked(tmp_path):
