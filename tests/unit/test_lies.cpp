@@ -465,6 +465,20 @@ TEST_CASE("lies: what a line loses is asked for again within the line's patience
     CHECK((board.time - begun) / 1ms <= 12 * static_cast<long>(client.retransmissions()) + 1000);
 }
 
+TEST_CASE("lies: a slow spell makes a client no more patient than twice what an answer took", "[link]") {
+    LyingBoard board;
+    Client client(board);
+    client.identify();
+    board.late = [] { return 600ms; };  // each way: four frames go out four times before the first answer
+    for (int i = 0; i < 4; ++i) client.submit({Command::keep_alive, {}});
+    client.wait(0);
+    board.late = [] { return 0ms; };
+    for (int i = 0; i < 4; ++i) client.request({Command::keep_alive, {}});
+    REQUIRE(client.retransmissions() >= 4);
+    CHECK(client.slowness() > 1);
+    CHECK(client.slowness() <= 2 * 1200 / 300);
+}
+
 TEST_CASE("lies: a rig whose master's count of periods stands still is told so, and can be interrupted", "[link]") {
     using interface::Feature;
     const auto features = static_cast<std::uint16_t>(15U | 1U << static_cast<unsigned>(Feature::schedule) |

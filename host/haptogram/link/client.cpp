@@ -127,7 +127,7 @@ void Client::transmit() {
         if (sent_ > 0 && under_way > transport_.window_bytes()) return;
         const auto number = static_cast<std::uint8_t>(next_ + sent_);
         transport_.write(encode_request(number, request.command, request.payload));
-        on_line_.push_back({number, round_});
+        on_line_.push_back({number, round_, clock().now()});
         if (sent_ < farthest_)
             ++retransmissions_;
         else
@@ -163,7 +163,7 @@ void Client::repeat(std::size_t place) {
     const auto number = static_cast<std::uint8_t>(next_ + place);
     const Request& request = queue_[place].request;
     transport_.write(encode_request(number, request.command, request.payload));
-    on_line_.push_back({number, round_});
+    on_line_.push_back({number, round_, clock().now()});
     ++retransmissions_;
 }
 
@@ -171,12 +171,13 @@ void Client::take(const Reply& reply) {
     const auto sent = std::ranges::find(on_line_, reply.sequence, &Sent::number);
     if (sent == on_line_.end()) return;  // an answer to an earlier user of the port
     const bool of_this_round = sent->round == round_, since_first = sent->round > first_round_;
+    const bool was_slow = clock().now() - sent->at > patience_;
     on_line_.erase(on_line_.begin(), sent + 1);
     const auto place = static_cast<std::uint8_t>(reply.sequence - next_);
     const bool wanted = place < std::min<std::size_t>(queue_.size(), transport_.window()) && !queue_[place].reply;
     // A second answer to a frame that has been sent again because none came shows that this was too early. A first one
-    // does not tell to which of the two it is.
-    if (applied(reply) && !wanted && round_is_late_) patience_ = std::min(2 * patience_, most_patience_);
+    // does not tell to which of the two it is. The patience stays below twice what an answer took.
+    if (applied(reply) && !wanted && round_is_late_ && was_slow) patience_ = std::min(2 * patience_, most_patience_);
     if (!wanted || reply.command != queue_[place].request.command) return;
     if (reply.command == Command::identify && place == 0 && !begins(reply)) return begin_anew();
     // What waits was flushed, and what came before it may have been: none of it is known, and none goes out again.

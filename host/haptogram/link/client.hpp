@@ -98,6 +98,7 @@ private:
     struct Sent {
         std::uint8_t number;
         unsigned round;
+        Clock::Time at;
     };
     /// A shut_off() that is not confirmed yet.
     struct Off {
