@@ -79,6 +79,8 @@ def lines(scene: Iterator[str], thing: Ball | Rain | Creature) -> Iterator[str]:
     """Lines for --scene-in, one for each thing and frame; without a hand all are away."""
     names: set[str] = set()
     for text in scene:
+        if not text.endswith("\n"):
+            return  # the session has ended within a line
         frame = json.loads(text)
         if frame["hands"]:
             x, y, z = frame["hands"][0]["palm_mm"]

@@ -352,7 +352,7 @@ void add_board(CLI::App& app, Action& action) {
     auto power = std::make_shared<PowerOptions>();
     CLI::App* supply = sub->add_subcommand("power", "Print what a board's array takes from its supply");
     supply->add_option("board", power->board, "Board file (TOML) or shipped board")->required();
-    supply->add_option("--volts", power->supply.volts, "Supply of the drivers")->capture_default_str();
+    supply->add_option("--volts", power->supply.volts, "Supply of the drivers, V")->capture_default_str();
     supply->add_option("--duty", power->supply.duty, "Share of a carrier period for which a pin is high")
         ->capture_default_str();
     supply->add_option("--resistance-ohm", power->supply.resistance_ohm, "Resistance of an element at its resonance")

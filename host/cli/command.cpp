@@ -11,7 +11,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
+#include <regex>
+#include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/notice.hpp"
@@ -94,32 +99,74 @@ void add_number(CLI::App& command, const std::string& name, double& value, const
     command.add_option(name, value, about)->check(positive())->capture_default_str();
 }
 
-CLI::Validator positive() {
-    return {[](std::string& text) {
+namespace {
+
+/// A number that `fits`. @param expected  in words
+template <class Fits>
+CLI::Validator number_that(Fits fits, std::string expected) {
+    return {[fits, expected = std::move(expected)](std::string& text) {
                 double value = 0.0;
-                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0) return std::string();
-                return fmt::format("must be a positive number, found '{}'", text);
+                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && fits(value)) return std::string();
+                return fmt::format("found '{}', expected {}", text, expected);
             },
-            "POSITIVE"};
+            "NUMBER"};
+}
+
+struct Unit {
+    std::string_view name;
+    double of_the_option;  ///< one of it, in the unit that the option's help names
+};
+
+/// Units that a value of an option may carry, by that which its help names.
+const std::map<std::string_view, std::vector<Unit>> units = {
+    {"mm", {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 1e-3}, {"µm", 1e-3}, {"in", 25.4}, {"inch", 25.4}}},
+    {"Hz", {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}}},
+    {"s", {{"s", 1}, {"ms", 1e-3}, {"min", 60}}},
+    {"ms", {{"ms", 1}, {"s", 1e3}}},
+    {"V", {{"V", 1}, {"mV", 1e-3}}},
+    {"N", {{"N", 1}, {"mN", 1e-3}}},
+    {"degrees", {{"degrees", 1}, {"deg", 1}, {"°", 1}}},
+};
+
+/// Of a number with one of these units, only the number, in the option's unit. Other text stays, for the check.
+CLI::Validator in_unit(const std::vector<Unit>& known) {
+    return {[&known](std::string& text) {
+                const std::size_t digits = text.find_last_of("0123456789.") + 1;
+                const std::size_t begins = std::min(text.find_first_not_of(' ', digits), text.size());
+                const auto unit = std::ranges::find(known, std::string_view(text).substr(begins), &Unit::name);
+                double value = 0.0;
+                if (unit != known.end() && CLI::detail::lexical_cast(text.substr(0, digits), value))
+                    text = fmt::format("{:.15g}", value * unit->of_the_option);
+                return std::string();
+            },
+            ""};
+}
+
+}  // namespace
+
+void accept_units(CLI::App& app) {
+    static const std::regex named("[ ,](mm|Hz|degrees)\\b|, (s|ms|V|N)(?![\\w/·])");
+    for (CLI::Option* option : app.get_options()) {
+        std::smatch unit;
+        const std::string& help = option->get_description();
+        const bool is_number = option->get_type_name().starts_with("FLOAT") && option->get_expected_max() == 1;
+        if (!is_number || !std::regex_search(help, unit, named)) continue;
+        option->transform(in_unit(units.at(unit[1].matched ? unit.str(1) : unit.str(2))));
+    }
+    for (CLI::App* command : app.get_subcommands({})) accept_units(*command);
+}
+
+CLI::Validator positive() {
+    return number_that([](double value) { return value > 0.0; }, "a number above 0");
 }
 
 CLI::Validator not_negative() {
-    return {[](std::string& text) {
-                double value = 0.0;
-                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0)
-                    return std::string();
-                return fmt::format("must be a number, and not negative, found '{}'", text);
-            },
-            "NUMBER"};
+    return number_that([](double value) { return value >= 0.0; }, "a number of 0 or more");
 }
 
 CLI::Validator number(double low, double high) {
-    return {[low, high](std::string& text) {
-                double value = 0.0;
-                if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
-                return fmt::format("must be a number from {} to {}, found '{}'", low, high, text);
-            },
-            "NUMBER"};
+    return number_that([low, high](double value) { return value >= low && value <= high; },
+                       fmt::format("a number from {} to {}", low, high));
 }
 
 CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
@@ -128,7 +175,7 @@ CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
                 const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
                 if (error == std::errc() && end == text.data() + text.size() && value >= low && value <= high)
                     return std::string();
-                return fmt::format("must be a whole number from {} to {}, found '{}'", low, high, text);
+                return fmt::format("found '{}', expected a whole number from {} to {}", text, low, high);
             },
             "WHOLE"};
 }

@@ -105,31 +105,51 @@ std::size_t letters_between(std::string_view a, std::string_view b) {
     return row.back();
 }
 
-/// "; did you mean compile?" when a command, or an option of this one, has nearly this name.
-std::string meant(const CLI::App& app, const std::vector<std::string>& words) {
-    const auto odd = std::ranges::find_if(words, [](const std::string& word) { return word.starts_with("-"); });
-    if (words.empty()) return "";
-    const std::string word = odd == words.end() ? words.front() : odd->substr(0, odd->find('='));
+/// The words of the command that was called: "haptogram board power".
+std::string called(const CLI::App*& command) {
+    std::string words = command->get_name();
+    while (!command->get_subcommands().empty()) {
+        command = command->get_subcommands().front();
+        words += " " + command->get_name();
+    }
+    return words;
+}
+
+/// What is said of words that nothing takes: CLI11 would only say that a subcommand is missing.
+Error not_taken(const CLI::App& app) {
+    const CLI::App* command = &app;
+    const std::string words = called(command);
+    const std::vector<std::string> left = app.remaining(true);
+    const auto odd = std::ranges::find_if(left, [](const std::string& word) { return word.starts_with("-"); });
+    const bool is_option = odd != left.end(), is_command = !is_option && !command->get_subcommands({}).empty();
+    const std::string word = is_option ? odd->substr(0, odd->find('=')) : left.front();
     std::vector<std::string> names;
-    if (odd == words.end())
-        for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-    else
-        for (const CLI::Option* option : app.get_options())
+    if (is_command)
+        for (const CLI::App* next : command->get_subcommands({})) names.push_back(next->get_name());
+    if (is_option)
+        for (const CLI::Option* option : command->get_options())
             for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     std::string nearest;
     std::size_t least = 3;
     for (const std::string& name : names)
-        if (const std::size_t letters = letters_between(word, name); letters < least) {
+        if (const std::size_t letters = letters_between(word, name); letters < std::min(least, word.size())) {
             least = letters;
             nearest = name;
         }
-    return nearest.empty() || least >= word.size() ? "" : fmt::format("; did you mean {}?", nearest);
+    std::string message = fmt::format(
+        "{} of {}", is_option ? "is no option" : is_command ? "is no command" : "comes after the last argument", words);
+    if (!nearest.empty()) message += fmt::format("; did you mean {}?", nearest);
+    if (command == &app && !extras_left_out().empty())
+        message += fmt::format("; this build leaves out {}", extras_left_out());
+    return bad_argument(word, fmt::format("{}; see {} --help", message, words));
 }
 
 /// What CLI11 says of wrong usage, in the words of this program.
 std::string in_plain_words(const std::string& text) {
     static const std::regex together("(\\S+) excludes (\\S+)"), no_number("Could not convert: (\\S+) = (.*)"),
-        no_choice("(\\S+): (.*) not in \\{(.*)\\}"), comma(",");
+        no_choice("(\\S+): (.*) not in \\{(.*)\\}"), none("(\\S+): (\\d+) required \\S+ missing"),
+        few("(\\S+): At least (\\d+) required but received (\\d+)"),
+        needed("(\\S+) is required"), comma(",");
     std::smatch part;
     if (std::regex_match(text, part, together)) {
         const bool has_spaces = part.str(1) == "source" && part.str(2) == "--focus";
@@ -141,6 +161,11 @@ std::string in_plain_words(const std::string& text) {
     if (std::regex_match(text, part, no_choice))
         return fmt::format("{}: found '{}', expected one of {}", part.str(1), part.str(2),
                            std::regex_replace(part.str(3), comma, ", "));
+    if (std::regex_match(text, part, none))
+        return fmt::format("{}: found no value, expected {}", part.str(1), part.str(2));
+    if (std::regex_match(text, part, few))
+        return fmt::format("{}: found {}, expected {} values", part.str(1), part.str(3), part.str(2));
+    if (std::regex_match(text, part, needed)) return fmt::format("{}: is missing", part.str(1));
     return text;
 }
 
@@ -179,23 +204,21 @@ int guarded(const CLI::App& app, Work work) {
 int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
     try {
         app.parse(argc, argv);
-    } catch (const CLI::ExtrasError& error) {
-        // CLI11 would only say that a subcommand is missing.
-        const CLI::App* command = &app;
-        while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-        std::string left_out;
-        if (!extras_left_out().empty() && command == &app)
-            left_out = fmt::format("; this build leaves out {}", extras_left_out());
-        throw bad_argument("haptogram", fmt::format("{}{}{}; see haptogram --help", error.what(),
-                                                    meant(*command, app.remaining(true)), left_out));
+    } catch (const CLI::ExtrasError&) {
+        throw not_taken(app);
+    } catch (const CLI::Success& help) {
+        return app.exit(help);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::bad_argument);
+        const CLI::App* command = &app;
+        const std::string words = called(command);
+        complain(fmt::format("{}; see {} --help", in_plain_words(error.what()), words));
+        return exit_code(ErrorCode::bad_argument);
     }
     if (action) return action();
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-    throw bad_argument("haptogram",
-                       fmt::format("expected a subcommand: {}; see haptogram --help", fmt::join(names, ", ")));
+    complain(fmt::format("expected a command: {}; see haptogram --help", fmt::join(names, ", ")));
+    return exit_code(ErrorCode::bad_argument);
 }
 
 int run(int argc, char** argv) {
@@ -204,10 +227,6 @@ int run(int argc, char** argv) {
         "haptogram");
     app.set_version_flag("--version", about_this_build());
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
-    app.failure_message([](const CLI::App* command, const CLI::Error& error) {
-        const std::string text = error.what();
-        return in_plain_words(text) + CLI::FailureMessage::simple(command, error).substr(text.size());
-    });
     Action action;
     for (const Group& group : groups) {
         std::vector<AddCommand> commands = group.commands;
@@ -218,6 +237,7 @@ int run(int argc, char** argv) {
             app.get_subcommands({}).back()->group(group.what);
         }
     }
+    accept_units(app);
     return guarded(app, [&] { return parse_and_act(app, action, argc, argv); });
 }
 

@@ -65,11 +65,8 @@ def assert_one_message(result, code):
     assert all(len(line) < 600 for line in lines) and not re.search(r"\d{40}", message), f"nobody reads a line like this: {message}"
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", message), f"control characters: {message!r}"
     assert "terminate called" not in message and "Traceback" not in message
-    if code == USAGE and not lines[0].startswith("haptogram: "):  # from the option parser
-        assert len(lines) == 2 and "--help" in lines[1], message
-    else:
-        assert sum(line.startswith("haptogram: ") for line in lines) == 1 and lines[0].startswith("haptogram: "), message
-        assert all(line.startswith("  ") for line in lines[1:-1]), f"more than one message: {message}"
+    assert sum(line.startswith("haptogram: ") for line in lines) == 1 and lines[0].startswith("haptogram: "), message
+    assert all(line.startswith("  ") for line in lines[1:-1]), f"more than one message: {message}"
     program_said(code, message)
 
 

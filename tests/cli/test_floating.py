@@ -17,7 +17,7 @@ PALM = (5.0, -7.0, 200.0)
 
 def flight(name, seconds, step=0.01):
     """Where the things are, frame by frame, above a palm at rest: lists of (x, y, z) from the palm's middle, by name."""
-    scene = [json.dumps({"time_s": n * step, "hands": [{"palm_mm": PALM}]}) for n in range(round(seconds / step))]
+    scene = [json.dumps({"time_s": n * step, "hands": [{"palm_mm": PALM}]}) + "\n" for n in range(round(seconds / step))]
     found = {}
     for line in floating.lines(iter(scene), floating.THINGS[name](1)):
         told = json.loads(line)
@@ -50,7 +50,8 @@ def test_a_creature_walks_on_the_palm():
 
 
 def test_without_a_hand_all_are_away():
-    scene = [json.dumps({"time_s": 0.0, "hands": [{"palm_mm": PALM}]}), json.dumps({"time_s": 0.1, "hands": []})]
+    scene = [json.dumps({"time_s": at, "hands": hands}) + "\n" for at, hands in ((0.0, [{"palm_mm": PALM}]), (0.1, []))]
+    scene.append(scene[0][:20])  # where the session ended
     told = [json.loads(line) for line in floating.lines(iter(scene), floating.Ball(1))]
     assert [line["center_mm"] for line in told] == [[5.0, -7.0, 200.0], [0.0, 0.0, 400.0]]
 

@@ -185,6 +185,34 @@ def test_a_cloud_with_more_points_than_the_board_is_thinned(tmp_path):
     assert len(read_json(tmp_path / "image.json")["records"]) == 400
 
 
+@pytest.mark.parametrize(("typed", "plain"), [("4cm", "40"), ("0.04 m", "40"), ("40mm", "40"), ("40000um", "40"), ("2in", "50.8"), ("4,2cm", None), ("4furlong", None), ("cm", None), ("", None)])
+def test_a_length_may_carry_its_unit(typed, plain, tmp_path):
+    if plain is None:
+        assert_one_message(run([*CIRCLE, "--diameter", typed], cwd=tmp_path), USAGE)
+        return
+    for words in (typed, plain):
+        succeed([*CIRCLE, "--diameter", words], cwd=tmp_path)
+        (tmp_path / "image.hex").rename(tmp_path / f"{words}.hex")
+    assert (tmp_path / f"{typed}.hex").read_bytes() == (tmp_path / f"{plain}.hex").read_bytes()
+
+
+def test_other_values_may_carry_their_units():
+    for typed, plain in ((["--volts", "9V"], ["--volts", "9"]), (["--volts", "9000 mV"], ["--volts", "9"])):
+        one, other = (succeed(["board", "power", "ice40-hx8k-breakout", *words]).stdout for words in (typed, plain))
+        assert one == other
+    one, other = (succeed(["magnitude", "2", "--frequency", words]).stdout for words in ("0.2kHz", "200"))
+    assert one == other
+
+
+def test_a_place_is_in_one_unit(tmp_path):
+    assert_one_message(run(["compile", "--shape", "circle", "--center", "0,0,15cm"], cwd=tmp_path), USAGE)
+
+
+@pytest.mark.parametrize("words", [["compile", "--rate"], ["board", "power"], ["field", "--focus", 0, 0, 150], [], ["compile", "--diametre", 4], ["compile", "--center", "1,2"]], ids=str)
+def test_a_wrong_use_is_told_in_one_form(words, tmp_path):
+    assert_one_message(run(words, cwd=tmp_path), USAGE)
+
+
 @pytest.mark.parametrize(("typed", "meant"), [("complie", "compile"), ("simulat", "simulate"), ("device inof", "info"), ("play x", None), ("zzzzzzzz", None)])
 def test_a_mistyped_command(typed, meant, tmp_path):
     result = run(typed.split(), cwd=tmp_path)

@@ -430,4 +430,4 @@ def test_a_lying_board_without_a_lie_is_a_board(outcomes):
         pytest.skip("the case that it looks at was not asked for")
     commands = [frame.name for frame in found.frames]
     assert commands.index("watchdog") < commands.index("enable") < commands.index("start") < commands.index("disable")
-    assert commands.count("status") > 3
+    assert "status" in commands[commands.index("start"):commands.index("disable")]
