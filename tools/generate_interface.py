@@ -674,7 +674,36 @@ def cpp_rates(table):
                       f"inline constexpr unsigned probe_rounds = {probe['rounds']};", "", "}  // namespace haptogram::link"]) + "\n"  # fmt: skip
 
 
+NUMBERED = {"region": "base", "kind": "value", "command": "code", "status": "code", "feature": "bit", "mode": "value", "role": "value", "flash": "value",
+            "event": "value", "test": "value"}  # fmt: skip
+
+
+def numbers(table):
+    """What boards and hosts of one major version agree on, a line each: codes, bits, and of a field its first bit / its width."""
+    lines = [f"version_major {table['protocol']['version_major']}"]
+    lines += [f"{part}.{entry['name']} {entry[key]:#x}" for part, key in NUMBERED.items() for entry in table[part]]
+    lines += [f"{block}.{name} {first}/{width}" for block, found, _ in layouts(table) for name, first, width, _ in found]
+    return "\n".join(["# " + NOTE, "# Published: a number stays while version_major does.", *lines]) + "\n"
+
+
+def stays(old, new):
+    """A field may grow into bits that were free."""
+    if new is None or "/" not in old:
+        return old == new
+    return old.split("/")[0] == new.split("/")[0] and int(old.split("/")[1]) <= int(new.split("/")[1])
+
+
+def renumbered(published, now):
+    """Lines of two such texts that contradict each other: what a board of the old text and a host of the new one would misread."""
+    old, new = (dict(line.split() for line in text.splitlines() if not line.startswith("#")) for text in (published, now))
+    if old.get("version_major") != new["version_major"]:
+        return []
+    return [f"{name} was published as {number}, and {'is ' + new[name] if name in new else 'has gone'}" for name, number in old.items() if not stays(number, new.get(name))]
+
+
+NUMBERS = "tools/interface_numbers.txt"
 FILES = {
+    NUMBERS: numbers,
     "rtl/interface.vh": verilog,
     "rtl/parameters.vh": verilog_parameters,
     "rtl/parameter_connections.vh": verilog_connections,
@@ -698,6 +727,9 @@ def main():
         texts = {name: make(table) for name, make in FILES.items()}
     except Wrong as error:
         sys.exit(f"tools/interface.toml: {error}")
+    published = ROOT / NUMBERS
+    if published.exists() and (wrong := renumbered(published.read_text(encoding="utf-8"), texts[NUMBERS])):
+        sys.exit("tools/interface.toml: " + "\n  ".join(wrong) + "\nAdd new words, bits and codes behind the published ones, or raise version_major: then old hosts refuse the board.")
     for name, text in texts.items():
         path = ROOT / name
         if path.exists() and path.read_text(encoding="utf-8") == text:

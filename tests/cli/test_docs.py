@@ -11,7 +11,9 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/docs"))
 sys.path.insert(0, str(ROOT / "tools"))
 import commands  # noqa: E402
+import configurations  # noqa: E402
 import docs  # noqa: E402
+import generate_interface  # noqa: E402
 import links  # noqa: E402
 
 MARKDOWN = "# One, `two`\n\n[here](#one-two) [there](other.md#three-1)\n\n```sh\n[code](nowhere)\n```\n"
@@ -99,3 +101,32 @@ def test_a_makers_questions_have_an_answer_and_lead_to_its_page():
     assert len(questions) >= 20
     for answer in questions:
         assert re.search(r"\w+\. *\n? *\[[^]]+\]\([^)]+\)", answer), answer
+
+
+@pytest.mark.parametrize(
+    ("what", "change"),
+    [
+        ("status.", lambda table: words(table, "status").insert(3, "new")),
+        ("status.", lambda table: words(table, "status").remove("underruns")),
+        ("command.enable", lambda table: by_name(table, "command", "enable").update(code=0x7F)),
+        ("feature.watchdog", lambda table: by_name(table, "feature", "watchdog").update(bit=30)),
+        (None, lambda table: words(table, "status").append("new")),
+        (None, lambda table: (words(table, "status").insert(3, "new"), table["protocol"].update(version_major=99))),
+    ],
+    ids=["in between", "gone", "another code", "another bit", "at the end", "another version"],
+)
+def test_a_published_number_of_the_interface_stays(what, change):
+    table = configurations.load()
+    published = generate_interface.numbers(table)
+    assert published == (ROOT / generate_interface.NUMBERS).read_text(encoding="utf-8")
+    change(table)
+    found = generate_interface.renumbered(published, generate_interface.numbers(table))
+    assert all(line.startswith(what) for line in found) and found if what else found == []
+
+
+def words(table, region):
+    return by_name(table, "block", region, "region")["words"]
+
+
+def by_name(table, part, name, key="name"):
+    return next(entry for entry in table[part] if entry[key] == name)
