@@ -15,6 +15,11 @@ HERE = Path(__file__).resolve().parent
 PAGE = HERE / "README.md"
 PYTEST = ("cli", "python", "torture", "serve", "c", "native", "sweep", "client_from_the_page", "hardware", "install")
 SIZES = ("check", "test", "deep", "real_time")
+# Cases before they were sorted, of which `make test` ran all but planted bugs and long proofs.
+BEFORE = {
+    "cli": 1658, "python": 380, "torture": 613, "serve": 18, "c": 24, "native": 52, "sweep": 30, "client_from_the_page": 11, "hardware": 18, "install": 32,
+    "cosim": 160, "ftdi": 10, "live": 30, "modules": 77, "reference": 26, "studio": 49, "tiles": 38, "torture (C++)": 5, "unit": 631, "formal": 234,
+}  # fmt: skip
 
 
 class Counter:
@@ -81,10 +86,10 @@ def of_proofs():
 
 def table(build):
     rows = {**of_pytest(build), **of_catch(build), **of_proofs()}
-    lines = ["| suite | check | test | deep | real-time |", "|:--|--:|--:|--:|--:|"]
-    lines += [f"| {name} | " + " | ".join(str(row[size] or "") for size in SIZES) + " |" for name, row in rows.items()]
+    lines = ["| suite | before | check | test | deep | real-time |", "|:--|--:|--:|--:|--:|--:|"]
+    lines += [f"| {name} | {BEFORE.get(name, '')} | " + " | ".join(str(row[size] or "") for size in SIZES) + " |" for name, row in rows.items()]
     totals = [sum(row[size] for row in rows.values()) for size in SIZES]
-    return "\n".join([*lines, "| all | " + " | ".join(map(str, totals)) + " |"])
+    return "\n".join([*lines, f"| all | {sum(BEFORE.values())} | " + " | ".join(map(str, totals)) + " |"])
 
 
 def main():
