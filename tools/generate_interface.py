@@ -443,7 +443,7 @@ and its reply
 
 Arguments and data are 16-bit words, low byte first. The live level is how many indices wait in the live FIFO. The CRC is CRC-16/IBM-3740 (polynomial 0x1021, start \
 0xFFFF, no reflection) of all bytes before it. On the line a frame is COBS-encoded and ends with a zero byte. For example, IDENTIFY with number 42 is `{plain}` and its \
-CRC, on the line `{coded}`. A reply tells the state when it is sent, even a repeated one.
+CRC, on the line `{coded}`. A repeated reply, too, tells the present state.
 
 A frame of frame_bytes bytes, decoded and without its CRC, always fits: a WRITE of one record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2 indices, \
 if the live FIFO has room, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci.""")]
@@ -455,7 +455,7 @@ wrong, too.""")]
     out += rows_of(("status", "code", "what"), [(s["name"], f"0x{s['code']:02X}", s["about"]) for s in table["status"]])
     out += ["", "## A line that loses bytes", "", *prose("""\
 Sequence numbers count modulo 256. The board applies each once and in order, answers every good frame, and drops damaged ones silently. A host sends again from the \
-first unanswered frame on. A frame is judged by its command and length first, then by its number, then by its arguments. A refused frame does not use up its number: the \
+first unanswered frame on. The board judges a frame by its command and length first, then by its number, then by its arguments. A refused frame does not use up its number: the \
 next frame has the same one. Damage to the zero behind a frame can add a zero to the frame \
 and leave its CRC right; the board answers bad_length, and the host sends the frame again. The numbers of all hosts of this project:""")]
     out += rows_of(("number", "value", "what"), [(row["name"], row["value"], row["about"]) for row in table["link"]])
@@ -539,8 +539,8 @@ wave_number is 2^27 / (128 · wavelength in mm): 122,212 for 8.58 mm. A single f
             out += prose(f"Bits of features: {', '.join(bits)}. All cores have the first four; the others need the parameter in brackets, or that of their name.")
         if region == "parameters":
             out += prose("""\
-A write applies from the next carrier period or focus record whose words are begun. The slew limiter starts from what the pins do; after a reset, with outputs off, and \
-after records of timings, which it does not limit, from amplitude 0 at the target's phase. A phase goes the shorter way round; from exactly half a turn away, backwards.""")
+A write applies from the next carrier period or focus record whose words are begun. The slew limiter starts from what the pins do. After a reset, with outputs off, and \
+after records of timings, which it does not limit, it starts from amplitude 0 at the target's phase. A phase goes the shorter way round; from exactly half a turn, backwards.""")
         if region == "ring":
             out += prose("""\
 `base` is `foci_base` + (`first` − RECORDS − 1) · (`foci_last` + 1). The ring ends within primary memory and at index RECORDS + `foci_count` at the latest. A PUSH_FOCI \
@@ -560,21 +560,21 @@ consecutive numbers. None is answered. A frame that is damaged, refused or out o
     out += ["## A chain of tiles", "", *prose(f"""\
 From the second serial port of a board with chain one wire goes to the next board's first port, and one comes back. In a chain, two bytes stand before each frame, \
 outside of its COBS. The first is 2 · n + 1 for tile n (1 to {chain['most_tiles']}), or {chain['all']} for all. The second is the complement of the first byte's upper \
-seven bits above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. Bytes that do not fit together make nobody's frame. Each tile counts n down as it \
+seven bits above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. A frame whose two bytes do not match reaches no tile. Each tile counts n down as it \
 passes a frame on, and takes 3, 253 as its own. An answer carries its tile's number in the same two bytes. A zero is always passed on as a zero.
 
-Each tile has its own session, by which it judges a frame for all; all tiles carry out and answer such a frame. So a host that wants more of all tiles than DISABLE, STOP \
-and IDENTIFY begins all sessions by one IDENTIFY for all.
+Each tile has its own session and judges a frame for all by it. All tiles carry out and answer such a frame. So begin all sessions by one IDENTIFY for all before you send \
+all tiles more than DISABLE, STOP and IDENTIFY.
 
 After power-up a board passes nothing on. The bytes {chain['all']}, 253, 0 make it one of a chain; the next such bytes go to the next tile. So a host sends a zero and \
-the three bytes and asks tile 1; sends the three bytes and asks tile 2; until one has not answered in 0.3 s. A board without chain takes them for a damaged frame. A \
+the three bytes and asks tile 1, sends the three bytes and asks tile 2, and so on until a tile does not answer in 0.3 s. A board without chain takes the bytes for a damaged frame. A \
 break, half a bit longer for each tile, ends the chain and switches all outputs off."""),
             *network_page(table["network"], table),
             *STREAM_PAGE,
             "## Boards in step", "", *prose("""\
 SYNC makes one board the master, whose every second cycle is a clock longer, and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row), and numbered within \
 128 periods more, as its status tells. Until it is in step it refuses ENABLE.""")]
-    out += ["## Parameters of the core", "", "Of a parameter from 0 to 1, 1 means that the core has it.", ""]
+    out += ["## Parameters of the core", "", "A range of 0…1 means: 1 if the core has it.", ""]
     cells = []
     for p in table["parameter"]:
         unit = "" if p["unit"] in ("", "0 or 1") else f" {p['unit']}"
@@ -597,9 +597,8 @@ Other parameters have their defaults. `tools/interface.toml` has more, for tests
 
 STREAM_PAGE = [
     "## A stream of patterns", "", *prose("""\
-On boards with stream a host can send a new pattern for every carrier period. A STREAM frame is neither answered nor sent again. In place of a sequence number it \
-carries that of the IDENTIFY that began the session, and only that session takes it. So each IDENTIFY needs another number than the one before, or late patterns of the \
-old session would be taken. STREAM restarts the watchdog's time.
+On boards with stream a host can send a new pattern for every carrier period. A STREAM frame is neither answered nor sent again. In place of its own sequence number it \
+carries the number of the IDENTIFY that began the session, and only that session takes it. So each IDENTIFY needs another number than the one before. STREAM restarts the watchdog's time.
 
 The stream block names 2^slot_bits records as slots. The host writes their headers, with a cycle of one carrier period. A pattern is the CHANNELS words of a record \
 behind its header, or a whole focus record. The first of a frame is for the period that the frame names, the others for the periods after it. The pattern for period p \
@@ -607,7 +606,7 @@ goes into slot p mod 2^slot_bits and plays in period p only. What plays in p is 
 shorter than at 40 kHz.
 
 - A pattern is **late** if its period was already decided, **early** if its period is 2^slot_bits or more behind the last decided one, **repeated** if its slot already \
-has that period's pattern. It changes only its counter. An incomplete pattern at a frame's end is refused; those before it hold.
+has that period's pattern. Such a pattern only raises its counter. An incomplete pattern at a frame's end is refused; those before it hold.
 - A stream begins when the first pattern's time comes, and ends what else plays. A period without a pattern is **lost**: the last pattern plays on. After `hold` lost \
 periods the stream ends: amplitudes fall by `fade` a period, and the mode is idle. A later pattern begins a new stream.
 - SELECT, START, PUSH, STOP, IDENTIFY, a switch-off, a write to the stream block or to the first three words of the parameters block, and a jump of the period number (a \
@@ -637,10 +636,10 @@ a peer, even an empty one. Datagrams of others are refused and counted.
 - **A session ends** when the link is lost, when anybody sends DISABLE to the open port, and when the peer is another than the last one. A peer that was silent and \
 comes back keeps its session. STOP ends no session. After the end no frame is carried out, not even one on its way; each is answered session_ended, even an IDENTIFY \
 on its way.
-- **After the end** a host takes session_ended for no answer to an earlier frame, sends nothing of that session again, and reports that outputs are off. Only then, and if \
-asked, it sends IDENTIFY, with another number than the one that began the session, which counts as a late copy.
+- **After the end** a host does not take session_ended for the answer to an earlier frame, sends nothing of that session again, and reports that outputs are off. Only then, \
+if asked, it sends IDENTIFY with another number.
 - **Break.** A host has no line to break. It sends DISABLE to the open port, which ends the session, whoever's it is. Loss of the link (by the PHY's status or clock) is \
-a break, and loses a datagram in which it happens. Only a board that plays by itself, of which no host has wanted more than to ask, plays on.
+a break, and loses a datagram in which it happens. Only a board that plays by autostart, and to which no host has sent more than questions, plays on.
 - There is **no authentication**: use a private wire or switch.
 
 The *open port*, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. The command is IDENTIFY ({codes['identify']}), which only asks and may be \

@@ -187,10 +187,10 @@ def core_table():
 
 
 def extras_table(found):
-    lines = ["| extra | what it is | commands | stands on |", "|---|---|---|---|"]
+    lines = ["| extra | commands | stands on |", "|---|---|---|"]
     for name, extra in found.items():
         commands = ", ".join(f"`{command}`" for command in extra.commands) or "–"
-        lines.append(f"| [{name}]({name}/README.md) | {extra.about} | {commands} | {', '.join(extra.needs) or 'the core'} |")
+        lines.append(f"| [{name}]({name}/README.md) | {commands} | {', '.join(extra.needs) or 'the core'} |")
     return lines
 
 

@@ -111,7 +111,7 @@ def page(papers: list[dict]) -> str:
         "",
         "Every equation, figure, table and protocol of the [papers](references.md#the-papers): what does it here, our number, the printed number.",
         "`extras/papers/papers.py` writes this page from `papers.toml`; tests run the commands and compare. `make figures` draws the figures.",
-        "[Printed numbers](../extras/papers/printed-numbers.md) has more numbers that do not follow from a paper's own data.",
+        "`haptogram-study printed --differing` prints all numbers that do not follow from a paper's own data, and why.",
         "",
         f"{len(rows)} rows:",
         "",

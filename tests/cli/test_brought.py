@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What people bring: forms of files that other programs write, each read as what it is, or refused in one sentence.
 
-HAPTOGRAM_RECORD=1 writes the table of forms in docs/sources.md anew; otherwise it must be what comes out here.
+HAPTOGRAM_RECORD=1 writes the list of forms in docs/sources.md anew; otherwise it must be what comes out here.
 """
 import json
 import math
@@ -78,15 +78,15 @@ FORMS = {
     "unseen pixels of a depth camera: (0, 0, 0)": ("scan.xyz", "0 0 0\n" * 200 + rows(), "the ring"),
     "unseen pixels of a depth camera: NaN": ("scan.xyz", "nan nan nan\n" * 20 + rows(), "the ring"),
     "a first column that counts": ("cloud.xyz", numbered([(x, y + 130, 30.0) for x, y, _ in RING]), "points"),
-    "the same, with names": ("cloud.xyz", "n x y z\n" + numbered(), "the ring"),
+    "named columns, the first of which counts": ("cloud.xyz", "n x y z\n" + numbered(), "the ring"),
     "a first line that counts the rows": ("cloud.xyz", "60\n" + rows(), "the ring"),
-    "names behind //": ("cloud.xyz", "//X Y Z\n" + rows(), "the ring"),
+    "column names behind `//`": ("cloud.xyz", "//X Y Z\n" + rows(), "the ring"),
     "commas in .xyz": ("cloud.xyz", rows(separator=","), "the ring"),
     "a byte order mark": ("cloud.obj", BOM + vertices(), "the ring"),
     "decimal commas behind semicolons": ("cloud.csv", "x;y;z\n" + rows(separator=";").replace(".", ","), "the ring"),
-    "a line sep=;": ("cloud.csv", "sep=;\nx;y;z\n" + rows(separator=";"), "the ring"),
-    "names x_mm, y_mm, z_mm": ("cloud.csv", "x_mm,y_mm,z_mm\n" + rows(separator=","), "the ring"),
-    "names Points:0 to Points:2": ("cloud.csv", '"Points:0","Points:1","Points:2"\n' + rows(separator=","), "the ring"),
+    "a first line `sep=;`": ("cloud.csv", "sep=;\nx;y;z\n" + rows(separator=";"), "the ring"),
+    "column names x_mm, y_mm, z_mm": ("cloud.csv", "x_mm,y_mm,z_mm\n" + rows(separator=","), "the ring"),
+    "column names Points:0 to Points:2": ("cloud.csv", '"Points:0","Points:1","Points:2"\n' + rows(separator=","), "the ring"),
     "OBJ: statements that change nothing": ("cloud.obj", "lod 1\nbevel on\n" + vertices() + "p 1 2\nshadow_obj a\n", "the ring"),
     "OBJ: faces before vertices": ("square.obj", "f 1 2 3 4\n" + vertices(SQUARE), "points"),
     "OBJ: lines alone": ("outline.obj", vertices() + OUTLINE, "a curve"),
@@ -111,7 +111,7 @@ FORMS = {
     "SVG": ("ring.svg", svg('<g transform="scale(2)"><circle cx="25" cy="25" r="10"/></g>'), "a curve"),
     "SVG without a size in mm": ("ring.svg", svg('<path d="M30,50a20 20 0 1 1 40 0 20 20 0 1 1-40 0z"/>', 'viewBox="0 0 100 100"'), "points"),
     "SVG of text alone": ("ring.svg", svg("<text>words</text>"), "nothing"),
-    "STEP, and all others": ("shape.step", "ISO-10303-21;", "nothing"),
+    "STEP, and all other formats": ("shape.step", "ISO-10303-21;", "nothing"),
 }  # fmt: skip
 
 
@@ -131,12 +131,12 @@ def said(done):
 
 
 def table(cells):
-    lines, notes = ["| form | read as | |", "|---|---|---|"], []
+    """The forms by what becomes of them, a line each."""
+    told = {"Read": [], "Read, with a warning": [], "Refused, with a message that says what to do": []}
     for form, (kind, words) in cells.items():
-        if words and words not in notes:
-            notes.append(words)
-        lines.append(f"| {form} | {kind} | {f'({notes.index(words) + 1})' if words else ''} |")
-    return "\n".join([*lines, "", *(f"{i}. {note}" for i, note in enumerate(notes, 1))]) + "\n"
+        what = "Refused, with a message that says what to do" if kind == "nothing" else "Read, with a warning" if words else "Read"
+        told[what].append(form)
+    return "".join(f"- **{what}**: {'; '.join(forms)}\n" for what, forms in told.items())
 
 
 def test_every_form_is_read_as_what_it_is_or_refused(tmp_path):
@@ -160,7 +160,7 @@ def test_every_form_is_read_as_what_it_is_or_refused(tmp_path):
     wanted = before + begin + table(cells) + end + rest.split(end)[1]
     if os.environ.get("HAPTOGRAM_RECORD"):
         PAGE.write_text(wanted, encoding="utf-8")
-    assert PAGE.read_text(encoding="utf-8") == wanted, "HAPTOGRAM_RECORD=1 writes the table anew"
+    assert PAGE.read_text(encoding="utf-8") == wanted, "HAPTOGRAM_RECORD=1 writes the list anew"
 
 
 @pytest.mark.parametrize("form", [form for form in FORMS if form.startswith(("unseen", "a first column", "OBJ: lines beside", "a shape in"))])

@@ -7,11 +7,10 @@ import sys
 
 import pytest
 from messages import program_said, refusal
-from processes import OK, ROOT, RUN_FAILED, run
+from processes import OK, RUN_FAILED, run
 from haptogram import HaptogramError
 from haptogram_study import printed
 
-PAGE = ROOT / "extras/papers/printed-numbers.md"
 
 
 @pytest.fixture(scope="module")
@@ -26,10 +25,12 @@ def one(lines, paper, part):
 
 
 def test_the_page_is_fresh(tmp_path, lines):
-    assert PAGE.read_text(encoding="utf-8") == printed.page(lines), "write it again: python3 -m haptogram_study printed --markdown"
+    page = printed.page(lines)
     command = [sys.executable, "-m", "haptogram_study", "printed"]
-    assert run([*command, "--check", PAGE], tmp_path).returncode == OK
-    (tmp_path / "stale.md").write_text(PAGE.read_text().replace("0.655", "0.656"))
+    assert run([*command, "--markdown"], tmp_path).stdout == page
+    (tmp_path / "fresh.md").write_text(page, encoding="utf-8")
+    assert run([*command, "--check", "fresh.md"], tmp_path).returncode == OK
+    (tmp_path / "stale.md").write_text(page.replace("0.655", "0.656"), encoding="utf-8")
     stale = run([*command, "--check", "stale.md"], tmp_path)
     assert stale.returncode == RUN_FAILED
     program_said(stale.returncode, stale.stderr)

@@ -275,7 +275,7 @@ def parser() -> Parser:
     json_option(power)
     printed = add("printed", printed_command, "the numbers that the papers print, beside what follows from their own data and formulas")
     printed.add_argument("--differing", action="store_true", help="only those that do not agree")
-    printed.add_argument("--markdown", action="store_true", help="as extras/papers/printed-numbers.md has them")
+    printed.add_argument("--markdown", action="store_true", help="those that do not agree, as a page in Markdown")
     printed.add_argument("--check", metavar="FILE", help="fail when that page is stale")
     json_option(printed)
     return top

@@ -406,15 +406,15 @@ def text(lines: list[Line], differing: bool = False) -> str:
 
 
 def page(lines: list[Line]) -> str:
-    """extras/papers/printed-numbers.md: numbers that do not agree. Those that one note is about are counted."""
+    """A page in Markdown: numbers that do not agree. Those that one note is about are counted."""
     counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
                        if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
     parts = [
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
         "# What the papers print, and what follows",
         "",
-        "Each number stands beside what follows from the same paper's data and formulas. `python3 -m haptogram_study printed --markdown` writes",
-        "this page from `extras/studies/haptogram_study/printed.toml`; a test fails when it is stale. `make figures` compares what needs a simulation.",
+        "Each number stands beside what follows from the same paper's data and formulas. `haptogram-study printed --markdown` writes this page.",
+        "`make figures` compares what needs a simulation.",
         "",
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
