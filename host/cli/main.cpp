@@ -136,8 +136,11 @@ Error not_taken(const CLI::App& app) {
             least = letters;
             nearest = name;
         }
-    std::string message = fmt::format(
-        "{} of {}", is_option ? "is no option" : is_command ? "is no command" : "comes after the last argument", words);
+    std::string message = fmt::format("{} of {}",
+                                      is_option    ? "is no option"
+                                      : is_command ? "is no command"
+                                                   : "comes after the last argument",
+                                      words);
     if (!nearest.empty()) message += fmt::format("; did you mean {}?", nearest);
     if (command == &app && !extras_left_out().empty())
         message += fmt::format("; this build leaves out {}", extras_left_out());
@@ -148,8 +151,7 @@ Error not_taken(const CLI::App& app) {
 std::string in_plain_words(const std::string& text) {
     static const std::regex together("(\\S+) excludes (\\S+)"), no_number("Could not convert: (\\S+) = (.*)"),
         no_choice("(\\S+): (.*) not in \\{(.*)\\}"), none("(\\S+): (\\d+) required \\S+ missing"),
-        few("(\\S+): At least (\\d+) required but received (\\d+)"),
-        needed("(\\S+) is required"), comma(",");
+        few("(\\S+): At least (\\d+) required but received (\\d+)"), needed("(\\S+) is required"), comma(",");
     std::smatch part;
     if (std::regex_match(text, part, together)) {
         const bool has_spaces = part.str(1) == "source" && part.str(2) == "--focus";

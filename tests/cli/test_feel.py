@@ -136,7 +136,7 @@ def test_the_verdict_is_one_wherever_it_is_said(tmp_path):
     weak = feel(tmp_path, "point.hex", "--level", 1.0)
     assert weak["level"]["used_pa_m"] == 1.0 and weak["answer"] == "not felt"
     assert_one_message(run(["feel", "point.hex", "--level", 1, "--volts", 12], cwd=tmp_path), USAGE)
-    assert_one_message(run(["feel", "point.hex", "--volts", "12V"], cwd=tmp_path), USAGE)
+    assert_one_message(run(["feel", "point.hex", "--volts", "12 volts"], cwd=tmp_path), USAGE)
     # A number in an array file that is no shipped one may be a data sheet's, unless it was measured.
     for measured, answer in (("", "perhaps"), ('measured = "by a balance"\n', "felt")):
         (tmp_path / "own.toml").write_text(f"[array]\nrows = 10\ncolumns = 10\npitch_mm = 10\n[transducer]\nsource_pa_m = 3\n{measured}")
