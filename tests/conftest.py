@@ -12,11 +12,6 @@ BEYOND = 3  # times the target: then a case fails
 # For the rates that programs remember: each worker has its own, before any module copies the environment.
 os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="haptogram-state-")
 
-# Each worker and what it starts share one processor: idle threads of a computing program would take turns on the others all the time.
-if worker := os.environ.get("PYTEST_XDIST_WORKER"):
-    processors = sorted(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {processors[int(worker.removeprefix("gw")) % len(processors)]})
-
 
 def pytest_unconfigure():
     shutil.rmtree(os.environ["XDG_STATE_HOME"], ignore_errors=True)
