@@ -45,7 +45,7 @@ std::vector<float> mean_square(const Array& array, std::span<const WeightedDrive
         }
     }
     const FieldSources sources(array, array.elements, fitted_pattern(array, options));
-    const unsigned threads = workers(options, blocks_of(where.size()));
+    const unsigned threads = workers(options);
     const auto places = workplaces(threads);
     std::vector<hwy::AlignedFreeUniquePtr<float[]>> scratch;
     for (std::size_t i = 0; i < places.size(); ++i)
@@ -93,7 +93,7 @@ std::vector<PressureGradient> pressure_gradient_at(const Array& array, Drives dr
     FieldSources sources(array, array.elements, fitted_pattern(array, options));
     sources.play(drives);
     const bool by_table = sources.model.pattern.kind == FittedPattern::Kind::table;
-    const unsigned threads = workers(options, blocks_of(points.size()));
+    const unsigned threads = workers(options);
     const auto places = workplaces(threads);
     std::vector<std::array<std::array<float, WaveBlock::most>, 6>> sums(threads);
     std::vector<PressureGradient> found(points.size());

@@ -28,11 +28,6 @@ unsigned workers(const FieldOptions& options) {
     return options.threads == 0 ? most : std::min(options.threads, most);
 }
 
-unsigned workers(const FieldOptions& options, std::size_t blocks) {
-    constexpr std::size_t few = 4;
-    return blocks <= few ? 1 : workers(options);
-}
-
 void take_block(std::span<const Vec3> from, std::size_t block, BlockPoints& points) {
     const auto part = from.subspan(block * WaveBlock::most, end_of_block(block, from.size()) - block * WaveBlock::most);
     points.low = points.high = part[0];

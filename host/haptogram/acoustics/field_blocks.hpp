@@ -24,8 +24,6 @@ namespace haptogram {
 /// How many threads a call uses. The limit is TBB's own, normally one thread a processor; asking for more would only
 /// make TBB print a warning. The call reads this limit and never sets it, because it belongs to the whole process.
 [[nodiscard]] unsigned workers(const FieldOptions& options);
-/// One for so few blocks of points that threads would spend more on waiting than they take over.
-[[nodiscard]] unsigned workers(const FieldOptions& options, std::size_t blocks);
 
 /// Calls work(worker, unit) for every unit, on as many threads as `workers` says; `worker` numbers them from 0. What a
 /// unit computes may not depend on its worker, so that the result is the same for any number of threads.

@@ -17,7 +17,7 @@ void add_all(const Array& array, const FittedPattern& pattern, Drives drives, co
              std::span<std::complex<float>> found, const FieldOptions& options) {
     FieldSources sources(array, array.elements, pattern);
     sources.play(drives);
-    const unsigned threads = workers(options, blocks_of(where.size()));
+    const unsigned threads = workers(options);
     const auto places = workplaces(threads);
     in_parallel(blocks_of(where.size()), threads, options.progress, [&](unsigned worker, std::size_t block) {
         FieldWorkplace& place = *places[worker];
