@@ -145,13 +145,14 @@ CLI::Validator in_unit(const std::vector<Unit>& known) {
 }  // namespace
 
 void accept_units(CLI::App& app) {
-    static const std::regex named("[ ,](mm|Hz|degrees)\\b|, (s|ms|V|N)(?![\\w/·])");
+    // Where a help ends, or a part of it does; not in "flat disc of 20 mm, and", "N s/m" or "mm/s".
+    static const std::regex named("(?:,| many| in) (mm|Hz|degrees|s|ms|V|N)(?:$|[,;:]| \\([^)]*\\)$)");
     for (CLI::Option* option : app.get_options()) {
         std::smatch unit;
         const std::string& help = option->get_description();
         const bool is_number = option->get_type_name().starts_with("FLOAT") && option->get_expected_max() == 1;
         if (!is_number || !std::regex_search(help, unit, named)) continue;
-        option->transform(in_unit(units.at(unit[1].matched ? unit.str(1) : unit.str(2))));
+        option->transform(in_unit(units.at(unit.str(1))));
     }
     for (CLI::App* command : app.get_subcommands({})) accept_units(*command);
 }

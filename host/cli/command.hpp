@@ -81,7 +81,8 @@ CLI::Option* add_quantise(CLI::App& command, std::optional<std::string>& quantis
 /// An option for a positive number, whose default is `value`.
 void add_number(CLI::App& command, const std::string& name, double& value, const std::string& about);
 
-/// Lets a number carry the unit that its option's help names, or another of the same kind: 4cm, 7 Hz, 12V.
+/// Lets a number carry the unit that its option's help names behind a comma, "many" or "in", or another of the same
+/// kind: 4cm, 7 Hz, 12V.
 void accept_units(CLI::App& app);
 
 /// Checks of option values that say what was found.

@@ -55,13 +55,24 @@ int exit_code(ErrorCode code) {
     return 1;
 }
 
-/// The option of the command that was called which sets what the library calls `setting`; empty when there is none.
-std::string option_of(const CLI::App& app, const std::string& setting) {
+/// The command that was called.
+const CLI::App& called(const CLI::App& app) {
     const CLI::App* command = &app;
     while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+    return *command;
+}
+
+/// As it is typed: "haptogram board power".
+std::string typed(const CLI::App& command) {
+    const CLI::App* above = command.get_parent();
+    return (above == nullptr ? std::string() : typed(*above) + " ") + command.get_name();
+}
+
+/// The option of the command that was called which sets what the library calls `setting`; empty when there is none.
+std::string option_of(const CLI::App& app, const std::string& setting) {
     std::string name = "--" + setting;
     std::replace(name.begin(), name.end(), '_', '-');
-    for (const CLI::Option* option : command->get_options())
+    for (const CLI::Option* option : called(app).get_options())
         if (option->check_lname(name.substr(2))) return name;
     return {};
 }
@@ -105,29 +116,18 @@ std::size_t letters_between(std::string_view a, std::string_view b) {
     return row.back();
 }
 
-/// The words of the command that was called: "haptogram board power".
-std::string called(const CLI::App*& command) {
-    std::string words = command->get_name();
-    while (!command->get_subcommands().empty()) {
-        command = command->get_subcommands().front();
-        words += " " + command->get_name();
-    }
-    return words;
-}
-
 /// What is said of words that nothing takes: CLI11 would only say that a subcommand is missing.
 Error not_taken(const CLI::App& app) {
-    const CLI::App* command = &app;
-    const std::string words = called(command);
+    const CLI::App& command = called(app);
     const std::vector<std::string> left = app.remaining(true);
     const auto odd = std::ranges::find_if(left, [](const std::string& word) { return word.starts_with("-"); });
-    const bool is_option = odd != left.end(), is_command = !is_option && !command->get_subcommands({}).empty();
+    const bool is_option = odd != left.end(), is_command = !is_option && !command.get_subcommands({}).empty();
     const std::string word = is_option ? odd->substr(0, odd->find('=')) : left.front();
     std::vector<std::string> names;
     if (is_command)
-        for (const CLI::App* next : command->get_subcommands({})) names.push_back(next->get_name());
+        for (const CLI::App* next : command.get_subcommands({})) names.push_back(next->get_name());
     if (is_option)
-        for (const CLI::Option* option : command->get_options())
+        for (const CLI::Option* option : command.get_options())
             for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     std::string nearest;
     std::size_t least = 3;
@@ -140,11 +140,11 @@ Error not_taken(const CLI::App& app) {
                                       is_option    ? "is no option"
                                       : is_command ? "is no command"
                                                    : "comes after the last argument",
-                                      words);
+                                      typed(command));
     if (!nearest.empty()) message += fmt::format("; did you mean {}?", nearest);
-    if (command == &app && !extras_left_out().empty())
+    if (&command == &app && !extras_left_out().empty())
         message += fmt::format("; this build leaves out {}", extras_left_out());
-    return bad_argument(word, fmt::format("{}; see {} --help", message, words));
+    return bad_argument(word, fmt::format("{}; see {} --help", message, typed(command)));
 }
 
 /// What CLI11 says of wrong usage, in the words of this program.
@@ -211,9 +211,7 @@ int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ParseError& error) {
-        const CLI::App* command = &app;
-        const std::string words = called(command);
-        complain(fmt::format("{}; see {} --help", in_plain_words(error.what()), words));
+        complain(fmt::format("{}; see {} --help", in_plain_words(error.what()), typed(called(app))));
         return exit_code(ErrorCode::bad_argument);
     }
     if (action) return action();
@@ -228,7 +226,9 @@ int run(int argc, char** argv) {
         "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",
         "haptogram");
     app.set_version_flag("--version", about_this_build());
-    app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
+    app.footer(
+        "Numbers may carry their unit: 4cm, 7Hz, 12V.\nExit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device "
+        "or link.");
     Action action;
     for (const Group& group : groups) {
         std::vector<AddCommand> commands = group.commands;

@@ -110,10 +110,11 @@ def test_a_makers_questions_have_an_answer_and_lead_to_its_page():
         ("status.", lambda table: words(table, "status").remove("underruns")),
         ("command.enable", lambda table: by_name(table, "command", "enable").update(code=0x7F)),
         ("feature.watchdog", lambda table: by_name(table, "feature", "watchdog").update(bit=30)),
+        ("sequence_entry.", lambda table: table["sequence_entry"]["fields"][0].update(width=1)),
         (None, lambda table: words(table, "status").append("new")),
         (None, lambda table: (words(table, "status").insert(3, "new"), table["protocol"].update(version_major=99))),
     ],
-    ids=["in between", "gone", "another code", "another bit", "at the end", "another version"],
+    ids=["in between", "gone", "another code", "another bit", "narrower", "at the end", "another version"],
 )
 def test_a_published_number_of_the_interface_stays(what, change):
     table = configurations.load()
@@ -122,6 +123,17 @@ def test_a_published_number_of_the_interface_stays(what, change):
     change(table)
     found = generate_interface.renumbered(published, generate_interface.numbers(table))
     assert all(line.startswith(what) for line in found) and found if what else found == []
+
+
+def test_the_generator_writes_nothing_that_renumbers(tmp_path, monkeypatch):
+    (tmp_path / "tools").mkdir()
+    other = (ROOT / generate_interface.NUMBERS).read_text(encoding="utf-8").replace("command.enable ", "command.enable_all ")
+    (tmp_path / generate_interface.NUMBERS).write_text(other, encoding="utf-8")
+    monkeypatch.setattr(generate_interface, "ROOT", tmp_path)
+    monkeypatch.setattr(sys, "argv", ["generate_interface.py"])
+    with pytest.raises(SystemExit, match=r"command\.enable_all was published as 0x\w+, and has gone"):
+        generate_interface.main()
+    assert [path.name for path in (tmp_path / "tools").iterdir()] == ["interface_numbers.txt"] and not (tmp_path / "rtl").exists()
 
 
 def words(table, region):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from intelhex import IntelHex
 from messages import program_said
+from patience import also_in_time
 from support import BAD_INPUT, OK, PROGRAM, RUN_FAILED, USAGE, Image, adopt, array_for, ask, path_file, read_json, refuse, run, status, succeed, text, virtual_board
 
 PARAMETERS, GEOMETRY, MODULATION, DESCRIPTION = 0x50000000, 0x60000000, 0x70000000, 0x40000000
@@ -306,7 +307,8 @@ def test_a_board_gets_foci_and_modulates_them(tmp_path):
         program_said(result.returncode, result.stderr)
 
 
-def test_foci_are_streamed_and_banks_follow_each_other(tmp_path):
+@also_in_time
+def test_foci_are_streamed_and_banks_follow_each_other(tmp_path, in_time):
     """Foci that the image does not hold, while they play; then two banks of the sequence, and the period in which the second begins."""
     compile_foci(tmp_path, "small-16-wide", "--shape", "circle", "--diameter", 20, "--points", 8, "--rate", 500)
     rows = [(20 * math.cos(i / 20), 20 * math.sin(i / 20), 100 + i / 10) for i in range(150)]
@@ -314,7 +316,7 @@ def test_foci_are_streamed_and_banks_follow_each_other(tmp_path):
     with virtual_board(tmp_path, "--image", "image.hex"):
         for _ in range(2):  # the second time over the ring of the first
             played = json.loads(ask(tmp_path, "stream", "--foci", "foci", "--dwell", 4, "--json").stdout)
-            assert played["sent"] == 151  # how often late is the machine's
+            assert played["sent"] == 151 and (played["underruns"] == 0 or not in_time)
         assert (status(tmp_path)["refused_records"], status(tmp_path)["far_foci"]) == (0, 0)
         for line in ("1 2", "1 2 3 1 -1", "a b c", "0 0 2000", "0 0 100 1.5"):
             (tmp_path / "wrong").write_text(f"0 0 100\n{line}\n")

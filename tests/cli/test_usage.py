@@ -204,6 +204,21 @@ def test_other_values_may_carry_their_units():
     assert one == other
 
 
+# What a help mentions beside the unit of its value.
+@pytest.mark.parametrize("words", [["align", "--still", "70cm"], ["analyze", "--measured-mn", "5m"], ["live", "--damping", "2N"], ["robot", "explore", "--speed", "5cm"],
+                                   ["robot", "tell", "--low", "2kHz"], ["feel", "--level", "2mm"], ["feel", "--volts", "2s"]], ids=str)  # fmt: skip
+def test_a_unit_of_another_kind_is_refused(words, tmp_path):
+    result = run(words, cwd=tmp_path)
+    assert_one_message(result, USAGE)
+    assert words[-1] in text(result.stderr)
+
+
+@pytest.mark.parametrize("words", [["align", "--still", "700ms"], ["live", "--latency", "0.02s"], ["feel", "--grip", "900 mN"], ["field", "--extent", "8cm"]], ids=str)
+def test_a_unit_of_the_same_kind_is_taken(words, tmp_path):
+    result = run(words, cwd=tmp_path)
+    assert result.returncode == USAGE and words[-1] not in text(result.stderr), "what is missing is something else"
+
+
 def test_a_place_is_in_one_unit(tmp_path):
     assert_one_message(run(["compile", "--shape", "circle", "--center", "0,0,15cm"], cwd=tmp_path), USAGE)
 

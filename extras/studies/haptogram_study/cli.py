@@ -194,17 +194,7 @@ def printed_command(options: argparse.Namespace) -> int:
     from . import printed
 
     lines = printed.recompute()
-    if options.check:
-        try:
-            good = Path(options.check).read_text(encoding="utf-8") == printed.page(lines)
-        except (OSError, UnicodeDecodeError):
-            good = False
-        if not good:
-            say(f"{options.check}: is not what printed.toml makes; write it again with 'printed --markdown'")
-            return NOT_FINISHED
-    elif options.markdown:
-        print(printed.page(lines), end="")
-    elif options.json:
+    if options.json:
         print(json.dumps([line.as_json() for line in lines], indent=1, ensure_ascii=False))
     else:
         print(printed.text(lines, options.differing))
@@ -275,8 +265,6 @@ def parser() -> Parser:
     json_option(power)
     printed = add("printed", printed_command, "the numbers that the papers print, beside what follows from their own data and formulas")
     printed.add_argument("--differing", action="store_true", help="only those that do not agree")
-    printed.add_argument("--markdown", action="store_true", help="those that do not agree, as a page in Markdown")
-    printed.add_argument("--check", metavar="FILE", help="fail when that page is stale")
     json_option(printed)
     return top
 

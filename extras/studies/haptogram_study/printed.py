@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers that the papers print, each beside what follows from the papers' own data and formulas. printed.toml lists them."""
-import collections
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -403,42 +402,3 @@ def text(lines: list[Line], differing: bool = False) -> str:
             found.append(f"  {line.verdict:12} {line.where:18} {line.what}: printed {printed}, ours {ours}" + (f" ({line.note})" if line.note else ""))
     bad = [line for line in lines if line.verdict in BAD]
     return "\n".join([*found, f"{len(lines)} numbers, {len(bad)} of them do not agree or cannot be"])
-
-
-def page(lines: list[Line]) -> str:
-    """A page in Markdown: numbers that do not agree. Those that one note is about are counted."""
-    counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
-                       if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
-    parts = [
-        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
-        "# What the papers print, and what follows",
-        "",
-        "Each number stands beside what follows from the same paper's data and formulas. `haptogram-study printed --markdown` writes this page.",
-        "`make figures` compares what needs a simulation.",
-        "",
-        "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
-        "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
-        "",
-        f"{len(lines)} numbers. {counts}.",
-        "Here are those that differ or are impossible; `haptogram-study printed` prints all, with what there is to say of them.",
-    ]
-    for paper in dict.fromkeys(line.paper for line in lines if line.verdict in BAD):
-        bad = [line for line in lines if line.paper == paper and line.verdict in BAD]
-        notes = [line.note for line in bad]
-        alone = [line for line in bad if not line.note or notes.count(line.note) == 1]
-        parts += ["", f"## {paper}"]
-        if alone:
-            parts += ["", "| where | what | printed | ours |", "|---|---|---|---|"]
-            parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line)) + " |" for line in alone]
-        if shared := collections.Counter((line.where, line.verdict, line.note) for line in bad if line not in alone):
-            parts += ["", *(f"- {where}, {count} more, {verdict}: {note}." for (where, verdict, note), count in shared.items())]
-    return "\n".join(parts) + "\n"
-
-
-def _note(line: Line) -> str:
-    return f" – {line.note}" if line.note else ""
-
-
-def _cells(line: Line) -> tuple[str, ...]:
-    printed, ours = with_units(line)
-    return (line.where, line.what + _note(line), printed, ours + (f", **{IMPOSSIBLE}**" if line.verdict == IMPOSSIBLE else ""))
