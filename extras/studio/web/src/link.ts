@@ -308,7 +308,7 @@ export type Event =
   | { t: "skin"; skin: DrawnHand }
   | ({ t: "path"; n: number } & RenderedPath)
   | Device
-  | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number; /** what is wrong with a line of the pipe */ line?: string }
+  | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number; /** that plays */ scene?: string; /** what is wrong with a line of the pipe */ line?: string }
   | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
   | { t: "stopped"; work: string; number: number }
   | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }

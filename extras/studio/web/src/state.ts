@@ -86,7 +86,7 @@ export const state = {
   live: signal<LiveSession | undefined>(undefined),
   /** The entry of the tour that the board plays. */
   playsPoint: signal<number | undefined>(undefined),
-  /** The scene whose modulation is played, as far as this page said. */
+  /** The scene that the board plays, whichever page began it, as the engine tells; "": none. */
   played: signal(""),
   /** Millimetres of one pixel in the middle of the view. */
   mmPerPixel: signal(0),
@@ -207,6 +207,12 @@ export const inSession = computed(() => state.session.value !== undefined && sta
 
 /** Whether outputs are on, as far as it is known; undefined: it is not. */
 export const outputsOn = computed(() => (state.engine.value === "silent" ? undefined : state.device.value.status?.outputs === "on"));
+
+/** Whether the board plays something else than the view shows. */
+export const playsOther = computed(() => {
+  const { played, refused, scene } = state;
+  return outputsOn.value === true && played.value !== "" && (refused.value !== undefined || scene.value?.name !== played.value);
+});
 
 export interface Actions {
   place(orientation: Orientation, middle: Point): void;
