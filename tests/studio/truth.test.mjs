@@ -76,6 +76,26 @@ test("what plays and is not what is shown is told, whoever began it", async (t) 
   await boardSays(other, "outputs off");
 });
 
+test("what was kept is shown, and neither plays nor is saved as this design", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await page.getByRole("button", { name: "Keep this to compare" }).click();
+  await openDesign(page, "Ring");
+  await page.locator("footer", { hasText: "Ring: " }).waitFor();
+  await settled(page);
+  assert.ok(await play(page).isEnabled());
+  const kept = page.getByLabel("Show the kept one");
+  await kept.check();
+  assert.ok(await play(page).isDisabled());
+  assert.match(await play(page).getAttribute("title"), /kept/);
+  for (const name of ["Image", "Report", "Field (.csv)"]) assert.ok(await page.getByRole("button", { name }).isDisabled(), name);
+  await page.locator(".warning", { hasText: "The view shows the kept design" }).first().waitFor();
+  await picture(page, "kept-play-light");
+  await kept.uncheck();
+  await eventually(() => play(page).isEnabled());
+  assert.ok(await page.getByRole("button", { name: "Image" }).isEnabled());
+});
+
 test("a server that does not answer is told of after a second, and one that has gone plays nothing", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio, { mayFail: true });

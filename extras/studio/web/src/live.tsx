@@ -36,7 +36,7 @@ function Begin({ actions, again }: WithActions & { again: boolean }) {
         <button type="button" class="wide" onClick={() => void actions.openShipped("touch", "Touched ball")}>Begin with a ball</button>
       </>
     );
-  const ready = !playing && pipe !== "" && (connection === "connected" || (connection === "none" && made.value !== undefined));
+  const ready = !playing && !state.showsKept.value && pipe !== "" && (connection === "connected" || (connection === "none" && made.value !== undefined));
   return (
     <>
       <Choice label="Hand from" value={pipe === undefined ? "recording" : "pipe"} choices={[["recording", hand.recording], ["pipe", "a tracker at a named pipe"]]} onValue={(value) => setPipe(value === "pipe" ? "" : undefined)} />

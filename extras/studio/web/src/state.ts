@@ -191,14 +191,15 @@ export const shownRecord = computed(() => {
   return state.alone.value && !state.showsKept.value && entry ? entry.record : 0;
 });
 
-/** The scene of the document shown, by an engine that is there: what can be played and taken away. */
-export const made = computed(() => (state.current.value && state.engine.value === "here" ? state.scene.value : undefined));
+/** The scene that is shown, if it is the document's and its engine is there: what can be played and taken away. */
+export const made = computed(() => (state.current.value && state.engine.value === "here" && !state.showsKept.value ? state.scene.value : undefined));
 /** Why there is none; nothing while it is being computed. */
 export const whyNotMade = computed(() => {
   const { engine, refused, current } = state;
   if (made.value) return "";
   if (engine.value !== "here") return engine.value === "silent" ? "The server does not answer." : noProgram.value ? "What computes in this page has ended." : "The server is gone.";
   if (refused.value) return `This design cannot be made: ${[placeOf(refused.value.where), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
+  if (state.showsKept.value) return "The view shows the kept design. In the step See, “Show the kept one” ends that, and “Go back to it” takes it.";
   return current.value ? "There is nothing to play." : "";
 });
 
@@ -210,8 +211,8 @@ export const outputsOn = computed(() => (state.engine.value === "silent" ? undef
 
 /** Whether the board plays something else than the view shows. */
 export const playsOther = computed(() => {
-  const { played, refused, scene } = state;
-  return outputsOn.value === true && played.value !== "" && (refused.value !== undefined || scene.value?.name !== played.value);
+  const { played, refused, scene, showsKept, kept } = state;
+  return outputsOn.value === true && played.value !== "" && (refused.value !== undefined || (showsKept.value ? kept.value?.scene : scene.value)?.name !== played.value);
 });
 
 export interface Actions {
