@@ -11,12 +11,12 @@ function boardWords(device: Device): string {
   if (state.engine.value === "silent") return "No answer: outputs unknown";
   if (state.engine.value === "gone") return noProgram.value ? "The page's engine is gone" : "The server is gone";
   if (state.stopping.value) return "Stopping…";
-  const outputs = `outputs ${outputsOn.value ? "ON" : "off"}`;
+  const outputs = `outputs ${outputsOn.value === undefined ? "unknown" : outputsOn.value ? "ON" : "off"}`;
   if (device.guest && device.connection !== "lent" && outputsOn.value) return `The board of the ${device.guest}, ${outputs}`;
   if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
   const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
   if (device.connection === "lent") return `${name}, lent to the ${device.guest ?? "session"}, ${outputs}`;
-  if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
+  if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}${outputsOn.value === undefined ? `, ${outputs}` : ""}`;
   const { mode = "idle" } = device.status ?? {};
   return `${name}, ${outputs}${playsOther.value ? ", not as shown" : mode === "idle" ? "" : `, ${mode}`}`;
 }

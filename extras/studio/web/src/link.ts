@@ -174,7 +174,7 @@ export interface Device {
   intensity?: number;
   identity?: { name: string; channels: number; records: number };
   /** whoever has them on, `outputs` tells; the rest is of the connected board */
-  status?: { outputs: "on" | "off"; mode?: string; index?: number };
+  status?: { outputs: "on" | "off" | "unknown"; mode?: string; index?: number };
   trouble?: string;
 }
 

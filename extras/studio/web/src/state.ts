@@ -207,7 +207,10 @@ export const whyNotMade = computed(() => {
 export const inSession = computed(() => state.session.value !== undefined && state.session.value.now.show !== "ended");
 
 /** Whether outputs are on, as far as it is known; undefined: it is not. */
-export const outputsOn = computed(() => (state.engine.value === "silent" ? undefined : state.device.value.status?.outputs === "on"));
+export const outputsOn = computed(() => {
+  const outputs = state.device.value.status?.outputs;
+  return state.engine.value === "silent" || outputs === "unknown" ? undefined : outputs === "on";
+});
 
 /** Whether the board plays something else than the view shows. */
 export const playsOther = computed(() => {
