@@ -202,6 +202,7 @@ test("STOP is confirmed by the board while slices are computed", async (t) => {
 
 test("the line is cut while it plays: nobody knows of the outputs", async (t) => {
   const { board, page } = await withBoard(t, await startStudio(t));
+  const place = await page.locator("#stop").boundingBox();
   await play(page);
   board.child.kill("SIGKILL");
   await boardSays(page, "connection lost, outputs unknown");
@@ -209,6 +210,7 @@ test("the line is cut while it plays: nobody knows of the outputs", async (t) =>
   assert.equal(await page.locator("#board.on").count(), 0);
   assert.match(await page.title(), /Outputs unknown/);
   await picture(page, "cut-light");
+  assert.deepEqual(await page.locator("#stop").boundingBox(), place, "STOP stays in its place");
   await page.locator("#stop").click();
   await page.locator("#banner", { hasText: /STOP.*not.*confirmed/ }).waitFor();
   await page.getByRole("button", { name: "Disconnect" }).click();

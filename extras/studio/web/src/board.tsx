@@ -14,7 +14,7 @@ function boardWords(device: Device): string {
   const outputs = `outputs ${outputsOn.value === undefined ? "unknown" : outputsOn.value ? "ON" : "off"}`;
   if (device.guest && device.connection !== "lent" && outputsOn.value) return `The board of the ${device.guest}, ${outputs}`;
   if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
-  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
+  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port?.split("/").at(-1) ?? ""}`; // a whole path leaves no room for the rest
   if (device.connection === "lent") return `${name}, lent to the ${device.guest ?? "session"}, ${outputs}`;
   if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}${outputsOn.value === undefined ? `, ${outputs}` : ""}`;
   const { mode = "idle" } = device.status ?? {};
