@@ -249,7 +249,8 @@ void Player::modulate(std::shared_ptr<const Scene> scene) {
     modulation_ = std::move(scene);
 }
 
-/// Tells which scene plays and for how long it has, and makes it as strong as is wanted, from before its first pulse on.
+/// Tells which scene plays and for how long it has, and makes it as strong as is wanted, from before its first pulse
+/// on.
 /// @param changed  told when it has become stronger or weaker
 link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_t number,
                           std::shared_ptr<const Scene> scene, link::Intensity& intensity,
@@ -356,9 +357,8 @@ std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t i
         ordered_json report;
         bring(device, "stream", number, *scrub->scene, report);
         link::Intensity intensity(scrub->scene->compiled.bundle.image);
-        const link::Played played =
-            link::stream(device, {}, *scrub,
-                         watch(device, "stream", number, scrub->scene, intensity, [scrub] { scrub->again(); }));
+        const link::Played played = link::stream(
+            device, {}, *scrub, watch(device, "stream", number, scrub->scene, intensity, [scrub] { scrub->again(); }));
         report.update(link::played_to_json(played));
         return report;
     };

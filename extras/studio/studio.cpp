@@ -457,8 +457,8 @@ private:
             off = player_.stop();
         }
         if (plays) broadcast(device_json());
-        // Its runner turned the outputs off before it ended, but for one that says that nobody confirmed it, or that was
-        // killed. Then the board is asked, or, if it is not ours, its watchdog does it, and nobody says so.
+        // Its runner turned the outputs off before it ended, but for one that says that nobody confirmed it, or that
+        // was killed. Then the board is asked, or, if it is not ours, its watchdog does it, and nobody says so.
         std::erase_if(stops_, [&](Stop& stop) {
             if (stop.number) return false;
             if (!confirmed && off) {
@@ -566,7 +566,7 @@ private:
     std::uint64_t stops_asked_ = 0;  // what was asked for before one must not begin after it
     Worker sessions_, live_starts_;
     std::uint64_t guest_number_ = 0;
-    bool left_on_ = false;  // by the last guest, as far as anybody knows
+    bool left_on_ = false;           // by the last guest, as far as anybody knows
     std::optional<UnderWay> guest_;  // the last, so that it ends before the board that it may play on
 };
 

@@ -79,10 +79,10 @@ private:
     std::function<void(const nlohmann::ordered_json&)> tell_;
     std::deque<NamedImage> images_;
     std::map<std::uint64_t, std::string> scenes_;  // of work under way, by its number
-    std::string port_;                  // "": there is none
-    std::vector<std::uint32_t> rates_;  // to be tried, the present one first
-    std::size_t tried_ = 0;             // of them, in vain
-    std::string trouble_;               // that nothing answered at any of them
+    std::string port_;                             // "": there is none
+    std::vector<std::uint32_t> rates_;             // to be tried, the present one first
+    std::size_t tried_ = 0;                        // of them, in vain
+    std::string trouble_;                          // that nothing answered at any of them
     bool tries_next_ = false, leaves_ = false;
     double intensity_ = 1.0;
     PageSight sight_{link::machine_clock()};
