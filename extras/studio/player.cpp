@@ -249,13 +249,15 @@ void Player::modulate(std::shared_ptr<const Scene> scene) {
     modulation_ = std::move(scene);
 }
 
-/// Tells how long it has played, and makes what plays as strong as is wanted, from before its first pulse on.
+/// Tells which scene plays and for how long it has, and makes it as strong as is wanted, from before its first pulse
+/// on.
 /// @param changed  told when it has become stronger or weaker
-link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_t number, link::Intensity& intensity,
+link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_t number,
+                          std::shared_ptr<const Scene> scene, link::Intensity& intensity,
                           std::function<void()> changed) {
     const double first = intensity_;
     if (first != 1.0) intensity.set(device, first);
-    return [this, name, number, &device, &intensity, changed = std::move(changed),
+    return [this, name, number, &device, scene = std::move(scene), &intensity, changed = std::move(changed),
             shown = first](const link::Playing& now) mutable {
         const double wanted = intensity_;
         if (wanted != std::exchange(shown, wanted)) {
@@ -267,9 +269,16 @@ link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_
             const std::lock_guard lock(mutex_);
             other = std::exchange(modulation_, nullptr);
         }
-        if (other) intensity.modulate(device, other->compiled.bundle.image.modulation);
-        settings_.work(
-            {{"t", "progress"}, {"work", name}, {"number", number}, {"seconds", now.seconds}, {"stage", "play"}});
+        if (other) {
+            intensity.modulate(device, other->compiled.bundle.image.modulation);
+            scene = other;
+        }
+        settings_.work({{"t", "progress"},
+                        {"work", name},
+                        {"number", number},
+                        {"seconds", now.seconds},
+                        {"stage", "play"},
+                        {"scene", scene->name}});
         return true;
     };
 }
@@ -304,7 +313,7 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<Trigg
             playing_ = scene;
             fired_ = fired;
         }
-        const link::Watch told = watch(device, "play", number, intensity, [] {});
+        const link::Watch told = watch(device, "play", number, scene, intensity, [] {});
         const link::Played played = fired ? link::play(device, {}, parts, *fired, told) : link::play(device, {}, told);
         report.update(link::played_to_json(played));
         return report;
@@ -348,8 +357,8 @@ std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t i
         ordered_json report;
         bring(device, "stream", number, *scrub->scene, report);
         link::Intensity intensity(scrub->scene->compiled.bundle.image);
-        const link::Played played =
-            link::stream(device, {}, *scrub, watch(device, "stream", number, intensity, [scrub] { scrub->again(); }));
+        const link::Played played = link::stream(
+            device, {}, *scrub, watch(device, "stream", number, scrub->scene, intensity, [scrub] { scrub->again(); }));
         report.update(link::played_to_json(played));
         return report;
     };

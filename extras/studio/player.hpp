@@ -106,8 +106,8 @@ private:
     std::uint64_t ask(Work work);
     void run();
     void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
-    link::Watch watch(link::Commands& device, const char* name, std::uint64_t number, link::Intensity& intensity,
-                      std::function<void()> changed);
+    link::Watch watch(link::Commands& device, const char* name, std::uint64_t number,
+                      std::shared_ptr<const Scene> scene, link::Intensity& intensity, std::function<void()> changed);
     [[nodiscard]] std::unique_ptr<TriggerReader> reader(const Scene& scene, LiveText* lines,
                                                         std::uint64_t number) const;
     void bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,

@@ -176,6 +176,7 @@ private:
             else
                 player_.connect(message.port, rate_of(message));
             state_ = {};
+            left_on_ = false;
             port_ = message.port;
             baud_ = message.baud;
             broadcast(device_json());
@@ -187,6 +188,7 @@ private:
             require_own_port();
             player_.disconnect();
             driver_ = {};
+            left_on_ = false;
             broadcast(device_json());
         });
     }
@@ -442,19 +444,28 @@ private:
     void guest_ended(std::optional<int> code) {
         tell_guest({{"show", "ended"}, {"code", code ? ordered_json(*code) : ordered_json()}});
         const bool borrowed = guest_->borrowed, plays = guest_->plays;
+        constexpr int not_confirmed = 4;
+        const bool confirmed = code && *code != not_confirmed;
+        left_on_ = borrowed && guest_->on && !confirmed;
         if (guest_plays() && driver_ == guest_->page) driver_ = {};
         guest_.reset();
+        std::optional<std::uint64_t> off;
         if (borrowed) {
             state_ = {};
             player_.take_back();
+            // Whatever the guest left on, as from now on this program keeps the board's watchdog quiet.
+            off = player_.stop();
         }
         if (plays) broadcast(device_json());
-        // Its runner turned the outputs off before it ended, but for one that says that nobody confirmed it. Of one
-        // that was killed the board's watchdog does it, and nobody says so.
-        constexpr int not_confirmed = 4;
-        std::erase_if(stops_, [&](const Stop& stop) {
+        // Its runner turned the outputs off before it ended, but for one that says that nobody confirmed it, or that
+        // was killed. Then the board is asked, or, if it is not ours, its watchdog does it, and nobody says so.
+        std::erase_if(stops_, [&](Stop& stop) {
             if (stop.number) return false;
-            tell_off(stop, code && *code != not_confirmed);
+            if (!confirmed && off) {
+                stop.number = off;
+                return false;
+            }
+            tell_off(stop, confirmed);
             return true;
         });
     }
@@ -472,6 +483,8 @@ private:
         if (guest_plays()) {
             json["guest"] = guest_->live ? "live session" : "study";
             if (guest_->borrowed || guest_->on) json["status"]["outputs"] = guest_->on ? "on" : "off";
+        } else if (left_on_) {
+            json["status"]["outputs"] = "unknown";
         }
         return json;
     }
@@ -489,6 +502,7 @@ private:
 
     void tell(const link::DeviceState& state) {
         state_ = state;
+        if (state.connection == link::Connection::connected) left_on_ = false;  // the board tells itself
         std::erase_if(stops_, [&](const Stop& stop) {
             if (!stop.number || state.confirmed < *stop.number) return false;
             tell_off(stop, true);
@@ -552,6 +566,7 @@ private:
     std::uint64_t stops_asked_ = 0;  // what was asked for before one must not begin after it
     Worker sessions_, live_starts_;
     std::uint64_t guest_number_ = 0;
+    bool left_on_ = false;           // by the last guest, as far as anybody knows
     std::optional<UnderWay> guest_;  // the last, so that it ends before the board that it may play on
 };
 

@@ -200,6 +200,23 @@ test("STOP is confirmed by the board while slices are computed", async (t) => {
   assert.ok(Math.max(...took) < 10_000);
 });
 
+test("the line is cut while it plays: nobody knows of the outputs", async (t) => {
+  const { board, page } = await withBoard(t, await startStudio(t));
+  const place = await page.locator("#stop").boundingBox();
+  await play(page);
+  board.child.kill("SIGKILL");
+  await boardSays(page, "connection lost, outputs unknown");
+  await page.locator("#board.unknown").waitFor();
+  assert.equal(await page.locator("#board.on").count(), 0);
+  assert.match(await page.title(), /Outputs unknown/);
+  await picture(page, "cut-light");
+  assert.deepEqual(await page.locator("#stop").boundingBox(), place, "STOP stays in its place");
+  await page.locator("#stop").click();
+  await page.locator("#banner", { hasText: /STOP.*not.*confirmed/ }).waitFor();
+  await page.getByRole("button", { name: "Disconnect" }).click();
+  await boardSays(page, "No board");
+});
+
 test("the page is closed: outputs off", async (t) => {
   const studio = await startStudio(t);
   const { board, page, pulses } = await withBoard(t, studio);

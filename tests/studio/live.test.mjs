@@ -143,6 +143,25 @@ test("STOP, and a page that goes away, end a session at once", async (t) => {
   await eventually(() => sessions(studio).length === 0);
 });
 
+test("a session that is killed leaves outputs of which nobody knows, until its board says", async (t) => {
+  const { studio, page } = await touching(t);
+  await begin(page);
+  await runs(page);
+  await boardSays(page, "outputs ON");
+  await page.evaluate(() => {
+    const board = document.getElementById("board");
+    window.said = [];
+    new MutationObserver(() => window.said.push(`${board.textContent} ${board.className}`)).observe(board, { childList: true, characterData: true, subtree: true });
+  });
+  process.kill(Number(sessions(studio)[0]), "SIGKILL");
+  await page.getByText("The session was cut off").waitFor();
+  await boardSays(page, "outputs off");
+  const said = await page.evaluate(() => window.said);
+  t.diagnostic(said.join("; "));
+  assert.match(said[0], /outputs unknown/);
+  assert.doesNotMatch(await page.title(), /Outputs/);
+});
+
 test("a tracker's pipe is felt as its lines come; what is none is refused", async (t) => {
   const where = await folder(t);
   const { page, scenes } = await touching(t);

@@ -35,6 +35,67 @@ test("a design that fails neither plays nor is saved, and both say why", async (
   assert.ok(await page.getByRole("button", { name: "Image" }).isEnabled());
 });
 
+test("what plays and is not what is shown is told, whoever began it", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const points = page.getByLabel("Focal points", { exact: true });
+  const take = async (count) => {
+    await points.fill(count);
+    await points.press("Enter");
+    await page.locator("footer", { hasText: `${count} focal points` }).waitFor();
+    await settled(page);
+  };
+  await take("8");
+  const other = await page.context().newPage();
+  await other.goto(studio.address);
+  await other.locator("footer", { hasText: "focal points for" }).waitFor(); // the example
+  await page.bringToFront();
+  await play(page).click();
+  await boardSays(page, "outputs ON, sequence");
+  await boardSays(other, "outputs ON, not as shown");
+  await take("9");
+  await boardSays(page, "outputs ON, not as shown");
+  await show(page, "Play");
+  await page.getByText(/plays another design than is shown/).waitFor();
+  await picture(page, "plays-other-light");
+  // What is refused has not changed what plays.
+  await page.getByRole("button", { name: "Modulate as shown" }).click();
+  await page.locator(".failed", { hasText: "more than its modulation" }).waitFor();
+  await sleep(1000);
+  assert.match(await page.locator("#board").innerText(), /not as shown/);
+  await page.getByLabel("Undo").click();
+  await boardSays(page, "outputs ON, sequence");
+  // Nor has a design that fails.
+  await page.getByLabel("Size", { exact: true }).fill("900");
+  await page.getByLabel("Size", { exact: true }).press("Enter");
+  await page.locator("footer", { hasText: "cannot be made" }).waitFor();
+  await boardSays(page, "outputs ON, not as shown");
+  await page.keyboard.press("Escape");
+  await boardSays(page, "outputs off");
+  await boardSays(other, "outputs off");
+});
+
+test("what was kept is shown, and neither plays nor is saved as this design", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await page.getByRole("button", { name: "Keep this to compare" }).click();
+  await openDesign(page, "Ring");
+  await page.locator("footer", { hasText: "Ring: " }).waitFor();
+  await settled(page);
+  assert.ok(await play(page).isEnabled());
+  const kept = page.getByLabel("Show the kept one");
+  await kept.check();
+  assert.ok(await play(page).isDisabled());
+  assert.match(await play(page).getAttribute("title"), /kept/);
+  for (const name of ["Image", "Report", "Field (.csv)"]) assert.ok(await page.getByRole("button", { name }).isDisabled(), name);
+  await page.locator(".warning", { hasText: "The view shows the kept design" }).first().waitFor();
+  await picture(page, "kept-play-light");
+  await kept.uncheck();
+  await eventually(() => play(page).isEnabled());
+  assert.ok(await page.getByRole("button", { name: "Image" }).isEnabled());
+});
+
 test("a server that does not answer is told of after a second, and one that has gone plays nothing", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio, { mayFail: true });

@@ -12,6 +12,8 @@ nlohmann::ordered_json device_json(const link::DeviceState& state, const std::st
     if (state.connection != link::Connection::connecting) {
         json["identity"] = link::to_json(state.identity);
         json["status"] = link::to_json(state.status);
+        // Its watchdog turns them off, and nobody says so.
+        if (state.connection == link::Connection::lost && state.status.enabled) json["status"]["outputs"] = "unknown";
         if (baud != 0) json["baud"] = baud;
     }
     if (!state.trouble.empty()) json["trouble"] = state.trouble;

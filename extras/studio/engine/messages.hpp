@@ -7,7 +7,7 @@
 //   slice, reach, skin               binary HSL1
 //   analyze, simulate  analysis; pins; cancel ends either
 //   connect, disconnect, intensity   device, to all pages
-//   upload, play, stream             progress, then done, stopped or failed, to all pages
+//   upload, play, stream             progress, also of which scene plays, then done, stopped or failed, to all pages
 //   study              study {shown}, repeatedly: begun {n}, the runner's lines, note {text}, ended {code}
 //   answer, leave      go to the runner
 //   live               live {shown}: begun, note and ended, and scenes, at most 33 a second

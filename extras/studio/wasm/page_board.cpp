@@ -96,6 +96,7 @@ void PageBoard::open_next_rate() {
 void PageBoard::opened() {
     if (port_.empty()) return door_.close();  // it was let go of meanwhile
     arrived_.clear();
+    scenes_.clear();
     stepped_ = Clock::now();
     const auto told = [this](const link::DeviceState& state) {
         if (leaves_) return;
@@ -161,14 +162,14 @@ void PageBoard::act(const UploadMessage& message) { player().upload(image_of(mes
 void PageBoard::act(const PlayMessage& message) {
     if (!message.lines.empty()) throw bad_argument("lines", "a page reads no pipes; open the design in the program");
     sight_.seen();
-    player().play(image_of(message.scene), message.triggers);
+    scenes_[player().play(image_of(message.scene), message.triggers)] = message.scene;
 }
 
 void PageBoard::act(const TriggerMessage& message) { player().trigger(message.number); }
 
 void PageBoard::act(const StreamMessage& message) {
     sight_.seen();
-    player().stream(image_of(message.scene), message.index);
+    scenes_[player().stream(image_of(message.scene), message.index)] = message.scene;
 }
 
 void PageBoard::act(const IntensityMessage& message) {
@@ -179,7 +180,10 @@ void PageBoard::act(const IntensityMessage& message) {
     tell_device();
 }
 
-void PageBoard::act(const ModulateMessage& message) { player().modulate(*image_of(message.scene)); }
+void PageBoard::act(const ModulateMessage& message) {
+    player().modulate(*image_of(message.scene));
+    if (!scenes_.empty()) scenes_.begin()->second = message.scene;  // work is done in turn, so the first is what plays
+}
 
 void PageBoard::act(const StopMessage& message) {
     if (player_)
@@ -206,11 +210,14 @@ void PageBoard::tell_device() const {
     tell_(device_json(state, port_, rates_.front(), intensity_));
 }
 
-void PageBoard::tell_work(const link::StepWork& work) const {
+void PageBoard::tell_work(const link::StepWork& work) {
     using Stage = link::StepWork::Stage;
     ordered_json json{{"t", "progress"}, {"work", work.name}, {"number", work.number}};
     if (work.stage == Stage::uploads) json.update({{"fraction", work.fraction}, {"stage", "upload"}});
-    if (work.stage == Stage::plays) json.update({{"seconds", work.seconds}, {"stage", "play"}});
+    if (work.stage == Stage::plays)
+        json.update({{"seconds", work.seconds}, {"stage", "play"}, {"scene", scenes_[work.number]}});
+    else if (work.stage != Stage::uploads)
+        scenes_.erase(work.number);
     if (work.stage == Stage::done) json["t"] = "done";
     if (work.stage == Stage::stopped) json["t"] = "stopped";
     if (work.stage == Stage::failed) json["t"] = "failed";

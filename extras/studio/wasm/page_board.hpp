@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -68,7 +69,7 @@ private:
 
     void open_next_rate();
     void tell_device() const;
-    void tell_work(const link::StepWork& work) const;
+    void tell_work(const link::StepWork& work);
     void tell_stops();
     void let_go();
     [[nodiscard]] std::shared_ptr<const Image> image_of(const std::string& scene) const;
@@ -77,10 +78,11 @@ private:
     PortDoor door_;
     std::function<void(const nlohmann::ordered_json&)> tell_;
     std::deque<NamedImage> images_;
-    std::string port_;                  // "": there is none
-    std::vector<std::uint32_t> rates_;  // to be tried, the present one first
-    std::size_t tried_ = 0;             // of them, in vain
-    std::string trouble_;               // that nothing answered at any of them
+    std::map<std::uint64_t, std::string> scenes_;  // of work under way, by its number
+    std::string port_;                             // "": there is none
+    std::vector<std::uint32_t> rates_;             // to be tried, the present one first
+    std::size_t tried_ = 0;                        // of them, in vain
+    std::string trouble_;                          // that nothing answered at any of them
     bool tries_next_ = false, leaves_ = false;
     double intensity_ = 1.0;
     PageSight sight_{link::machine_clock()};

@@ -64,7 +64,6 @@ export function actionsOf(session: Session, link: Link): Actions {
         const lines = readsLines(project.value) && !noProgram.value ? state.lines.value : "";
         state.wrongLine.value = undefined;
         link.send({ t: "play", scene: scene.name, triggers: scene.triggers, ...(lines && { lines }) });
-        state.played.value = scene.name;
       }
     },
     frame: () => session.view?.frameAll(),

@@ -85,7 +85,7 @@ export function start(link: Link): void {
   effect(() => {
     const { connection } = state.device.value;
     if (!state.playsNext.value) return;
-    if (connection === "lost" || state.refused.value) state.playsNext.value = false;
+    if (connection === "lost" || state.refused.value || state.showsKept.value) state.playsNext.value = false;
     if (connection !== "connected" || !made.value) return;
     state.playsNext.value = false;
     actions.play();

@@ -4,21 +4,21 @@ import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
 import { project } from "./document";
 import type { Device } from "./link";
-import { type Actions, boards, made, noProgram, outputsOn, state, whyNotMade } from "./state";
+import { type Actions, boards, made, noProgram, outputsOn, playsOther, state, whyNotMade } from "./state";
 import { Firing } from "./triggers";
 
 function boardWords(device: Device): string {
   if (state.engine.value === "silent") return "No answer: outputs unknown";
   if (state.engine.value === "gone") return noProgram.value ? "The page's engine is gone" : "The server is gone";
   if (state.stopping.value) return "Stopping…";
-  const outputs = `outputs ${outputsOn.value ? "ON" : "off"}`;
+  const outputs = `outputs ${outputsOn.value === undefined ? "unknown" : outputsOn.value ? "ON" : "off"}`;
   if (device.guest && device.connection !== "lent" && outputsOn.value) return `The board of the ${device.guest}, ${outputs}`;
   if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
-  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
+  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port?.split("/").at(-1) ?? ""}`; // a whole path leaves no room for the rest
   if (device.connection === "lent") return `${name}, lent to the ${device.guest ?? "session"}, ${outputs}`;
-  if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
+  if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}${outputsOn.value === undefined ? `, ${outputs}` : ""}`;
   const { mode = "idle" } = device.status ?? {};
-  return `${name}, ${outputs}${mode === "idle" ? "" : `, ${mode}`}`;
+  return `${name}, ${outputs}${playsOther.value ? ", not as shown" : mode === "idle" ? "" : `, ${mode}`}`;
 }
 
 /** The bar at the top and the window's title say what the board does. They are read aloud when they change, so they change seldom. */
@@ -92,10 +92,6 @@ export function Board({ actions }: { actions: Actions }) {
   const ready = connected && scene !== undefined && !busy;
   const played = state.played.value;
   const another = busy && work?.work === "play" && work.stage === "play" && scene !== undefined && played !== "" && played !== scene.name;
-  const modulate = (): void => {
-    actions.send("modulate", { scene: scene?.name ?? "" });
-    state.played.value = scene?.name ?? "";
-  };
   return (
     <Panel title="Board">
       {whyNotMade.value && <p class="warning">▲ {whyNotMade.value}</p>}
@@ -115,11 +111,11 @@ export function Board({ actions }: { actions: Actions }) {
       ) : (
         <>
           <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status?.index !== undefined && `; plays record ${device.status.index}`}{on && state.playsPoint.value !== undefined && `, point ${state.playsPoint.value + 1} of ${scene?.tour.length ?? 0}`}</p>
-          {on && played !== "" && played !== scene?.name && <p class="warning">▲ The design plays as it was before, not as it is shown.</p>}
+          {playsOther.value && <p class="warning">▲ The board plays another design than is shown, or this one as it was before. STOP ends it; Play then plays what is shown.</p>}
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
-            {another && <button type="button" onClick={modulate}>Modulate as shown</button>}
+            {another && <button type="button" onClick={() => actions.send("modulate", { scene: scene?.name ?? "" })}>Modulate as shown</button>}
             <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>

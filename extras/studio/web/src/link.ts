@@ -174,7 +174,7 @@ export interface Device {
   intensity?: number;
   identity?: { name: string; channels: number; records: number };
   /** whoever has them on, `outputs` tells; the rest is of the connected board */
-  status?: { outputs: "on" | "off"; mode?: string; index?: number };
+  status?: { outputs: "on" | "off" | "unknown"; mode?: string; index?: number };
   trouble?: string;
 }
 
@@ -308,7 +308,7 @@ export type Event =
   | { t: "skin"; skin: DrawnHand }
   | ({ t: "path"; n: number } & RenderedPath)
   | Device
-  | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number; /** what is wrong with a line of the pipe */ line?: string }
+  | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number; /** that plays */ scene?: string; /** what is wrong with a line of the pipe */ line?: string }
   | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
   | { t: "stopped"; work: string; number: number }
   | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }

@@ -6,7 +6,7 @@ import { Choice, Panel, Row } from "./controls";
 import { project } from "./document";
 import { medianOf, wordsOf } from "./live_reader";
 import { short } from "./quantity";
-import { type Actions, type LiveSession, made, noProgram, state } from "./state";
+import { type Actions, type LiveSession, made, noProgram, outputsOn, state } from "./state";
 
 interface WithActions {
   actions: Actions;
@@ -36,7 +36,7 @@ function Begin({ actions, again }: WithActions & { again: boolean }) {
         <button type="button" class="wide" onClick={() => void actions.openShipped("touch", "Touched ball")}>Begin with a ball</button>
       </>
     );
-  const ready = !playing && pipe !== "" && (connection === "connected" || (connection === "none" && made.value !== undefined));
+  const ready = !playing && !state.showsKept.value && pipe !== "" && (connection === "connected" || (connection === "none" && made.value !== undefined));
   return (
     <>
       <Choice label="Hand from" value={pipe === undefined ? "recording" : "pipe"} choices={[["recording", hand.recording], ["pipe", "a tracker at a named pipe"]]} onValue={(value) => setPipe(value === "pipe" ? "" : undefined)} />
@@ -47,6 +47,7 @@ function Begin({ actions, again }: WithActions & { again: boolean }) {
   );
 }
 
+const running: Record<string, string> = { true: "Outputs are on.", false: "Outputs are off.", undefined: "Nobody says whether outputs are on." };
 const endings: Record<number, string> = { 0: "The session is over; outputs are off." };
 
 function Told({ live }: { live: LiveSession }) {
@@ -54,7 +55,7 @@ function Told({ live }: { live: LiveSession }) {
   const latency = medianOf(live.latencies);
   return (
     <>
-      <p role="status">{now === "starting" ? "Starting…" : now === "running" ? "Outputs are on." : code === null ? "The session was cut off; the board's watchdog turns the outputs off." : (endings[code] ?? "The session ended with an error.")}</p>
+      <p role="status">{now === "starting" ? "Starting…" : now === "running" ? running[String(outputsOn.value)] : code === null ? "The session was cut off. What its board says of the outputs stands at the top." : (endings[code] ?? "The session ended with an error.")}</p>
       {last && (
         <table>
           <tbody>

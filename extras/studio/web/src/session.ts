@@ -236,6 +236,7 @@ export class Session {
       state.engine.value = "gone";
       state.device.value = { t: "device", connection: "none" };
       state.work.value = undefined;
+      state.played.value = "";
       state.stopping.value = state.playsNext.value = false;
       state.livesNext.value = undefined;
     } else if (event.t === "scene") {
@@ -274,7 +275,7 @@ export class Session {
       state.failure.value = event.error;
     } else if (event.t === "progress" || event.t === "done" || event.t === "stopped") {
       if (event.t === "progress" && event.line !== undefined) state.wrongLine.value = event.line;
-      else state.work.value = event;
+      else this.worked(event);
     }
   }
 
@@ -333,6 +334,11 @@ export class Session {
     return true;
   }
 
+  private worked(event: Extract<Event, { t: "progress" | "done" | "stopped" | "failed" }>): void {
+    state.work.value = event;
+    state.played.value = (event.t === "progress" && event.scene) || "";
+  }
+
   private failed(event: Extract<Event, { t: "failed" }>): void {
     const { n, error } = event;
     if (this.study.fail(n, error) || this.live.fail(n, error)) return;
@@ -349,7 +355,7 @@ export class Session {
     const ofScene = this.sceneEnded(n, error);
     if (ofScene && this.undrop(error)) return;
     if (!ofScene && !this.drives.came(n) && !this.skins.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
-    if (event.work) state.work.value = event;
+    if (event.work) this.worked(event);
     state.playsNext.value = false;
     state.livesNext.value = undefined;
     state.failure.value = error;

@@ -86,7 +86,7 @@ export const state = {
   live: signal<LiveSession | undefined>(undefined),
   /** The entry of the tour that the board plays. */
   playsPoint: signal<number | undefined>(undefined),
-  /** The scene whose modulation is played, as far as this page said. */
+  /** The scene that the board plays, whichever page began it, as the engine tells; "": none. */
   played: signal(""),
   /** Millimetres of one pixel in the middle of the view. */
   mmPerPixel: signal(0),
@@ -191,14 +191,15 @@ export const shownRecord = computed(() => {
   return state.alone.value && !state.showsKept.value && entry ? entry.record : 0;
 });
 
-/** The scene of the document shown, by an engine that is there: what can be played and taken away. */
-export const made = computed(() => (state.current.value && state.engine.value === "here" ? state.scene.value : undefined));
+/** The scene that is shown, if it is the document's and its engine is there: what can be played and taken away. */
+export const made = computed(() => (state.current.value && state.engine.value === "here" && !state.showsKept.value ? state.scene.value : undefined));
 /** Why there is none; nothing while it is being computed. */
 export const whyNotMade = computed(() => {
   const { engine, refused, current } = state;
   if (made.value) return "";
   if (engine.value !== "here") return engine.value === "silent" ? "The server does not answer." : noProgram.value ? "What computes in this page has ended." : "The server is gone.";
   if (refused.value) return `This design cannot be made: ${[placeOf(refused.value.where), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
+  if (state.showsKept.value) return "The view shows the kept design. In the step See, “Show the kept one” ends that, and “Go back to it” takes it.";
   return current.value ? "There is nothing to play." : "";
 });
 
@@ -206,7 +207,16 @@ export const whyNotMade = computed(() => {
 export const inSession = computed(() => state.session.value !== undefined && state.session.value.now.show !== "ended");
 
 /** Whether outputs are on, as far as it is known; undefined: it is not. */
-export const outputsOn = computed(() => (state.engine.value === "silent" ? undefined : state.device.value.status?.outputs === "on"));
+export const outputsOn = computed(() => {
+  const outputs = state.device.value.status?.outputs;
+  return state.engine.value === "silent" || outputs === "unknown" ? undefined : outputs === "on";
+});
+
+/** Whether the board plays something else than the view shows. */
+export const playsOther = computed(() => {
+  const { played, refused, scene, showsKept, kept } = state;
+  return outputsOn.value === true && played.value !== "" && (refused.value !== undefined || (showsKept.value ? kept.value?.scene : scene.value)?.name !== played.value);
+});
 
 export interface Actions {
   place(orientation: Orientation, middle: Point): void;
