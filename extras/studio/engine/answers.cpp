@@ -147,11 +147,16 @@ ordered_json hand_outline() {
 }  // namespace
 
 void answer(Scenes& scenes, Recipient& page, const SceneMessage& message) {
-    tell_failure(page, message.n, [&] {
+    std::optional<ordered_json> error = error_of([&] {
         const Made made = scenes.compile(message.document);
         page.send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
         page.send(shape_bytes(message.n, made.shape));
     });
+    if (!error) return;
+    page.send(to_text({{"t", "failed"}, {"n", message.n}, {"error", *error}}));
+    ordered_json ways = ordered_json::array();
+    for (const Remedy& way : scenes.ways_out(message.document)) ways.push_back(to_json(way));
+    page.send(to_text({{"t", "ways"}, {"n", message.n}, {"ways", ways}}));
 }
 
 void answer(Scenes& scenes, Recipient& page, const HandMessage& message) {

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <complex>
 #include <numbers>
 
+#include "failure.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/array/calibration.hpp"
 #include "haptogram/base/bundle.hpp"
@@ -19,6 +21,7 @@
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/level.hpp"
+#include "ways_out.hpp"
 #ifdef HAPTOGRAM_HAS_FORMATS
 #include "haptogram/formats/readers.hpp"
 #endif
@@ -374,6 +377,21 @@ Made Scenes::compile(const ordered_json& document) {
     scenes_.push_front(scene);
     if (scenes_.size() > most_scenes) scenes_.pop_back();
     return {scene, std::move(shape)};
+}
+
+std::vector<Remedy> Scenes::ways_out(const ordered_json& document, std::chrono::milliseconds patience) {
+    using Clock = std::chrono::steady_clock;
+    const auto opened = [this](const ordered_json& of) {
+        std::string identity;
+        Project project = project_of(toml_of(of), identity);
+        if (project.hand) (void)open_hand(project, identity);
+        return project;
+    };
+    if (error_of([&] { (void)opened(document); })) return {};  // what cannot be read is not mended by other numbers
+    const Clock::time_point until = Clock::now() + patience;
+    return studio::ways_out(document, [&](const ordered_json& changed) {
+        return Clock::now() < until && !error_of([&] { (void)haptogram::compile(opened(changed), "image.hex"); });
+    });
 }
 
 std::shared_ptr<const Scene> Scenes::find(const std::string& name) {

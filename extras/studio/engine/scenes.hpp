@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <list>
 #include <map>
@@ -94,6 +95,9 @@ public:
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
     /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
     Made compile(const nlohmann::ordered_json& document);
+    /// What mends a document that compile() refuses, as far as that time tells (ways_out.hpp).
+    [[nodiscard]] std::vector<Remedy> ways_out(const nlohmann::ordered_json& document,
+                                               std::chrono::milliseconds patience = std::chrono::seconds(2));
     /// Opens what a document's hand names, unless it is open already.
     /// @throws Error as compile()
     HandScene hand(const nlohmann::ordered_json& document);
