@@ -151,6 +151,8 @@ void answer(Scenes& scenes, Recipient& page, const SceneMessage& message) {
         const Made made = scenes.compile(message.document);
         page.send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
         page.send(shape_bytes(message.n, made.shape));
+        if (ordered_json sizes = scenes.sizes_of_files(message.document); !sizes.empty())
+            page.send(to_text({{"t", "sizes"}, {"n", message.n}, {"sizes", std::move(sizes)}}));
     });
     if (!error) return;
     page.send(to_text({{"t", "failed"}, {"n", message.n}, {"error", *error}}));

@@ -379,6 +379,32 @@ Made Scenes::compile(const ordered_json& document) {
     return {scene, std::move(shape)};
 }
 
+ordered_json Scenes::sizes_of_files(const ordered_json& document) {
+    std::string identity;
+    const Project project = project_of(toml_of(document), identity);
+    ordered_json sizes = ordered_json::array();
+    for (const ShapeSource& source : project.shapes) {
+        if (source.file.empty()) continue;
+        const std::string hash = hash_of(source.file);
+        ordered_json size;
+        {
+            const std::lock_guard lock(mutex_);
+            size = sizes_[hash];
+        }
+        if (size.is_null()) {
+            // Not under the lock: it may take long.
+            const Shape shape = load_shape({*source.content, source.file, false}, shape_format(source.file), millimetre,
+                                           project.makers.readers);
+            size = {{"extent", millimetres(bounding_box(shape).extent())}, {"own_unit", shape.has_own_unit}};
+            const std::lock_guard lock(mutex_);
+            sizes_[hash] = size;
+        }
+        size["name"] = source.file;
+        sizes.push_back(std::move(size));
+    }
+    return sizes;
+}
+
 std::vector<Remedy> Scenes::ways_out(const ordered_json& document, std::chrono::milliseconds patience) {
     using Clock = std::chrono::steady_clock;
     const auto opened = [this](const ordered_json& of) {

@@ -55,6 +55,13 @@ export interface Finding {
   remedies: Remedy[];
 }
 
+/** How large a file's shape is along x, y and z in the file's own numbers; in millimetres, if it says its unit. */
+export interface FileSize {
+  name: string;
+  extent: Point;
+  own_unit: boolean;
+}
+
 /** An edit: keys of the document with other values, null to leave one out; of a table, the keys that change. */
 export interface Remedy {
   label: string;
@@ -319,6 +326,7 @@ export type Event =
   | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number; /** what is wrong with a line of the pipe */ line?: string }
   | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
   | { t: "stopped"; work: string; number: number }
+  | { t: "sizes"; n: number; sizes: FileSize[] }
   | { t: "ways"; n: number; ways: Remedy[] }
   | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }
   | { t: "error"; error: Failure }

@@ -270,6 +270,8 @@ export class Session {
       this.study.show(event.shown);
     } else if (event.t === "live") {
       this.live.show(event.shown);
+    } else if (event.t === "sizes") {
+      state.sizes.value = { ...state.sizes.peek(), ...Object.fromEntries(event.sizes.map((each) => [each.name, each])) };
     } else if (event.t === "ways") {
       this.waysCame(event.n, event.ways);
     } else if (event.t === "failed") {
