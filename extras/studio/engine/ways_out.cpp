@@ -32,7 +32,8 @@ public:
         fewer_points();
         other_pace();
         for (const char* const am : {"square:200", "sine:200"})
-            if (const std::string now = word("am", ""); !now.empty() && now != am &&
+            if (const std::string now = word("am", "");
+                !now.empty() && now != am &&
                 offer(fmt::format("Modulate by a {} of 200 Hz", am[1] == 'q' ? "square" : "sine"), {{"am", am}}))
                 break;
         other_board();
@@ -65,7 +66,8 @@ private:
     /// The most that can be made.
     void fewer_points() {
         const auto with = [](std::size_t points) { return ordered_json{{"points", points}}; };
-        auto good = std::size_t{0}, bad = static_cast<std::size_t>(number("points", static_cast<double>(Project{}.points)));
+        auto good = std::size_t{0},
+             bad = static_cast<std::size_t>(number("points", static_cast<double>(Project{}.points)));
         if (bad > 1 && works(with(1))) good = 1;
         while (good > 0 && bad - good > 1 + good / 32) {
             const std::size_t middle = good + (bad - good) / 2;

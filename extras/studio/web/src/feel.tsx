@@ -96,7 +96,6 @@ export function Feel({ actions }: { actions: Actions }) {
         <h2>What it will feel like</h2>
         <p class={`verdict is-${verdict}`} role="status" data-verdict-of-feel={verdict}><Icon size={16} aria-hidden="true" /> {verdicts[verdict](now, found.length)}</p>
         {closed && now && analysis.value && current.value && <p class="band" title={`By models: ${analysis.value.verdict}.`}>{bandOf(analysis.value)}</p>}
-        {closed && felt && <Meter {...felt} />}
         <button type="button" class="ghost" aria-expanded={!closed} aria-label={closed ? "Show what it will feel like in full" : "Fold what it will feel like"} onClick={() => (folded.value = { ...folded.value, feel: !closed })}>{closed ? <ChevronUp size={16} /> : <ChevronDown size={16} />}</button>
       </div>
       {!closed && (
@@ -104,6 +103,7 @@ export function Feel({ actions }: { actions: Actions }) {
           {now && analysis.value && <p class="hint">By models: {analysis.value.verdict}.</p>}
           {felt && analysis.value && (
             <>
+              <p class="hint">If each focus rested and buzzed:</p>
               <Meter {...felt} />
               <p class="ends"><span>nothing</span><span class="just">just felt</span><span>strong</span></p>
               <dl>
@@ -112,7 +112,7 @@ export function Feel({ actions }: { actions: Actions }) {
                 <dt>Focus</dt><dd>{short(felt.strongest.width_mm)} mm wide</dd>
                 <dt>At an ear, 300 mm</dt><dd class={analysis.value.at_300_mm_db > analysis.value.most_at_300_mm_db ? "warning" : ""}>{Math.round(analysis.value.at_300_mm_db)} dB of {Math.round(analysis.value.most_at_300_mm_db)}</dd>
               </dl>
-              {!analysis.value.level.calibrated && <details class="more"><summary>If each focus rested and buzzed</summary><p class="hint">{analysis.value.level.note}</p></details>}
+              {!analysis.value.level.calibrated && <details class="more"><summary>At which level</summary><p class="hint">{analysis.value.level.note}</p></details>}
             </>
           )}
           <Findings actions={actions} found={found} />
