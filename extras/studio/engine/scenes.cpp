@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <complex>
 #include <numbers>
 
@@ -405,8 +404,7 @@ ordered_json Scenes::sizes_of_files(const ordered_json& document) {
     return sizes;
 }
 
-std::vector<Remedy> Scenes::ways_out(const ordered_json& document, std::chrono::milliseconds patience) {
-    using Clock = std::chrono::steady_clock;
+std::vector<Remedy> Scenes::ways_out(const ordered_json& document, const std::function<bool()>& over) {
     const auto opened = [this](const ordered_json& of) {
         std::string identity;
         Project project = project_of(toml_of(of), identity);
@@ -414,9 +412,8 @@ std::vector<Remedy> Scenes::ways_out(const ordered_json& document, std::chrono::
         return project;
     };
     if (error_of([&] { (void)opened(document); })) return {};  // what cannot be read is not mended by other numbers
-    const Clock::time_point until = Clock::now() + patience;
     return studio::ways_out(document, [&](const ordered_json& changed) {
-        return Clock::now() < until && !error_of([&] { (void)haptogram::compile(opened(changed), "image.hex"); });
+        return !over() && !error_of([&] { (void)haptogram::compile(opened(changed), "image.hex"); });
     });
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -98,9 +98,10 @@ public:
     /// How large the shapes are that a document's files have: [{"name", "extent", "own_unit"}], in the numbers of the
     /// file, or in millimetres when it says its unit.
     [[nodiscard]] nlohmann::ordered_json sizes_of_files(const nlohmann::ordered_json& document);
-    /// What mends a document that compile() refuses, as far as that time tells (ways_out.hpp).
-    [[nodiscard]] std::vector<Remedy> ways_out(const nlohmann::ordered_json& document,
-                                               std::chrono::milliseconds patience = std::chrono::seconds(2));
+    /// What mends a document that compile() refuses (ways_out.hpp).
+    /// @param over  whether no more is to be tried
+    [[nodiscard]] std::vector<Remedy> ways_out(
+        const nlohmann::ordered_json& document, const std::function<bool()>& over = [] { return false; });
     /// Opens what a document's hand names, unless it is open already.
     /// @throws Error as compile()
     HandScene hand(const nlohmann::ordered_json& document);
