@@ -69,7 +69,7 @@ for (const colorScheme of ["light", "dark"])
     // What the page says is what the command reports.
     const report = JSON.parse((await shell(where, `${frame} --report --json`)).stdout).frames[0];
     const rows = await panel(page, "This frame").innerText();
-    for (const [name, value] of [["Strength on the lines", report.strength_pa], ["Length of all lines", report.length_mm], ["Passes a second", report.draw_hz], ["Lines", report.lines], ["Tilt leaves", 100 * report.tilt], ["Too weak to be felt", 100 * report.weak]])
+    for (const [name, value] of [["Strength on the lines", report.strength_pa], ["Length of all lines", report.length_mm], ["Passes a second", report.draw_hz], ["Lines", report.lines], ["Tilt leaves", 100 * report.tilt], ["Under the least mean force", 100 * report.weak]])
       assert.match(rows, new RegExp(`${name}\\s+${String(Number(value.toPrecision(3))).replace(".", "\\.")}\\b`), rows);
     // Its focal points and lines are drawn where the path has them.
     const foci = JSON.parse(taken).steps.flatMap((step) => step.foci.map((focus) => focus.position_mm));

@@ -67,6 +67,42 @@ TEST_CASE("studio scenes: a dropped file makes the image that the file makes") {
     CHECK(to_text(scene->compiled.bundle.manifest) == to_text(direct.bundle.manifest));
 }
 
+TEST_CASE("studio scenes: what is refused has ways out, and each of them works") {
+    const ordered_json circle_40{{"kind", "circle"}, {"diameter_mm", 40}};
+    const auto with = [&](ordered_json more) {
+        ordered_json document{{"format", "haptogram-project-1"}, {"shape", {circle_40}}};
+        document.update(more);
+        return document;
+    };
+    const ordered_json moves = {{{"time_s", 0}}, {{"time_s", 1}, {"move_mm", {20, 0, 0}}}};
+    const std::vector<std::pair<std::string, ordered_json>> refused = {
+        {"more records than a board has", with({{"am", "sine:50"}, {"rate_hz", 2}})},
+        {"more steps than a board plays", with({{"keyframe", moves}})},
+        {"more points than a board has records", with({{"points", 5000}})},
+        {"less than a period a point", with({{"rate_hz", 2000}})},
+        {"drawn too often", with({{"frequency_hz", 2000}})},
+        {"drawn too fast", with({{"speed_m_s", 500}})},
+        {"longer than an entry holds", with({{"points", 2}, {"rate_hz", 0.001}})},
+        {"out of reach", with({{"place", {{"center_mm", {0, 0, -20}}}}})},
+        {"partly out of reach", with({{"shape", {{{"kind", "line"}, {"length_mm", 900}}}}})}};
+    Scenes scenes;
+    for (const auto& [why, document] : refused) {
+        INFO(why << ": " << document.dump());
+        CHECK_THROWS_AS(scenes.compile(document), Error);
+        const std::vector<Remedy> ways = scenes.ways_out(document);
+        CHECK_FALSE(ways.empty());
+        for (const Remedy& way : ways) {
+            INFO(to_json(way).dump());
+            ordered_json mended = document;
+            mended.merge_patch(way.changes);
+            CHECK_NOTHROW(scenes.compile(mended));
+        }
+    }
+    // What cannot be read, or names a file that is not there, is not mended by other numbers.
+    CHECK(scenes.ways_out(with({{"points", "many"}})).empty());
+    CHECK(scenes.ways_out(with_file("none.stl")).empty());
+}
+
 TEST_CASE("studio scenes: the object is the one that was sampled, new and known") {
     Scenes scenes;
     const std::string name = "trimesh_binary.stl";

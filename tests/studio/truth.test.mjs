@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { boardSays, drop, eventually, hasValue, lookedAt, openDesign, openPage, picture, settled, shapes, show, sleep, startBrowser, startStudio } from "./support.mjs";
+import { boardSays, drop, eventually, hasValue, lookedAt, openDesign, openPage, picture, settled, shapes, show, sleep, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const play = (page) => page.locator("#playing button");
 
@@ -96,6 +96,40 @@ test("what was kept is shown, and neither plays nor is saved as this design", as
   assert.ok(await page.getByRole("button", { name: "Image" }).isEnabled());
 });
 
+test("what is refused can be mended by one press", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  const way = (name) => page.locator("button.remedy", { hasText: name });
+  await openDesign(page, "Ring");
+  await page.locator("footer", { hasText: "Ring: " }).waitFor();
+  const points = page.getByLabel("Focal points", { exact: true });
+  await points.fill("5000");
+  await points.press("Enter");
+  await page.locator(".failed").waitFor();
+  await way(/^Take \d+ points/).waitFor();
+  await picture(page, "ways-light");
+  // The box can be closed; what mends it stays beside it.
+  await page.locator(".failed").getByRole("button", { name: "Close" }).click();
+  await page.locator("#feel", { hasText: "Cannot be made" }).waitFor();
+  await picture(page, "ways-closed-light");
+  await way(/^Take \d+ points/).click();
+  await settled(page);
+  assert.ok(await play(page).isEnabled());
+  assert.ok(Number(await points.inputValue()) > 10);
+  // A shape that moves, of too many steps.
+  await openDesign(page, "Plus");
+  await page.locator("footer", { hasText: "Plus: " }).waitFor();
+  await page.getByRole("button", { name: "Let it move" }).click();
+  await settled(page);
+  const rate = page.getByLabel("Passes a second", { exact: true });
+  await rate.fill("300");
+  await rate.press("Enter");
+  await page.locator(".failed", { hasText: "steps" }).waitFor();
+  await way(/^Make \d+ passes a second/).first().click();
+  await settled(page);
+  assert.equal(await page.locator(".failed").count(), 0);
+});
+
 test("a server that does not answer is told of after a second, and one that has gone plays nothing", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio, { mayFail: true });
@@ -151,6 +185,70 @@ test("the studio begins with a shape's file", async (t) => {
   const page = await openPage(t, await startBrowser(t), await startStudio(t, join(shapes, "trimesh_binary.stl")));
   await settled(page);
   await page.locator(".file", { hasText: "trimesh_binary.stl" }).waitFor();
+});
+
+/** A box as STL, in text. */
+function box(sides) {
+  const corner = (bits) => sides.map((side, axis) => ((bits >> axis) & 1 ? side : 0)).join(" ");
+  const faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+  const triangles = faces.flatMap(([a, b, c, d]) => [[a, b, c], [a, c, d]]);
+  return `solid box\n${triangles.map((each) => `facet normal 0 0 0\nouter loop\n${each.map((bits) => `vertex ${corner(bits)}`).join("\n")}\nendloop\nendfacet`).join("\n")}\nendsolid box\n`;
+}
+
+test("a file in inches is fitted until its unit is said, and its own size is shown", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  await drop(page, [{ name: "box.stl", bytes: Buffer.from(box([2, 1, 0.5])) }]);
+  await page.locator(".file", { hasText: "box.stl" }).waitFor();
+  await settled(page);
+  const unit = page.getByLabel("Unit of the file", { exact: true });
+  await hasValue(unit, "");
+  await page.getByText("its numbers are 2 × 1 × 0.5").waitFor();
+  const options = await unit.locator("option").allInnerTexts();
+  assert.deepEqual(options, ["not known: fitted to 60 mm", "mm: 2 mm", "cm: 20 mm", "inch: 50.8 mm", "m: 2,000 mm"]);
+  const width = async () => {
+    const { records } = JSON.parse(String(await takeAway(page, "Manifest")));
+    const x = records.map(({ focus_mm }) => focus_mm[0]);
+    return Math.max(...x) - Math.min(...x);
+  };
+  const fitted = await width();
+  await unit.selectOption("inch");
+  await settled(page);
+  const project = String(await takeAway(page, "Project"));
+  assert.match(project, /unit = .inch./);
+  assert.doesNotMatch(project, /size_mm/);
+  const inches = await width();
+  assert.ok(Math.abs(inches / fitted - 50.8 / 60) < 0.05, `${inches} instead of ${fitted} mm`);
+  await picture(page, "inches-light");
+  await unit.selectOption("");
+  await settled(page);
+  assert.match(String(await takeAway(page, "Project")), /size_mm = 60/);
+});
+
+test("what a design begins with stands first, and a second object may come beside or afterwards", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await settled(page);
+  for (const name of ["Open a file…", "Draw a path by hand", "+ Add an object", "+ One afterwards"]) {
+    const { y, height } = await page.locator("#left .button, #left button", { hasText: name }).first().boundingBox();
+    assert.ok(y + height < 240, `${name} at ${y} px`);
+  }
+  await page.getByRole("button", { name: "+ One afterwards" }).click();
+  await settled(page);
+  assert.equal(await page.locator(".failed").count(), 0);
+  const project = String(await takeAway(page, "Project"));
+  assert.equal(project.match(/\[\[shape\]\]/g).length, 2);
+  assert.equal(project.match(/\[\[keyframe\]\]/g).length, 3);
+  assert.ok(await play(page).isEnabled());
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    await show(page, "Make");
+    for (const [width, height] of [[1280, 720], [390, 844]]) {
+      await page.setViewportSize({ width, height });
+      await picture(page, `begin-${width}-${colorScheme}`);
+    }
+    await page.setViewportSize({ width: 1280, height: 720 });
+  }
 });
 
 test("unsaved work outlives the designs that are looked at behind it", async (t) => {
@@ -241,12 +339,24 @@ test("a live session's outputs are told in every window", async (t) => {
   await settled(other);
   await page.bringToFront();
   await page.locator("[data-step=Play]").click();
+  // The session may be over before a busy machine has looked at it, so each window notes what it shows.
+  for (const each of [page, other])
+    await each.evaluate(() => {
+      const board = document.getElementById("board");
+      window.shown = [];
+      new MutationObserver(() => window.shown.push({ words: board.textContent, lit: board.classList.contains("on") })).observe(board, { childList: true, characterData: true, subtree: true, attributes: true });
+      new MutationObserver(() => window.shown.push({ title: document.title })).observe(document.querySelector("title"), { childList: true });
+    });
   await page.getByRole("button", { name: "Feel it live" }).click();
-  for (const each of [page, other]) {
-    await boardSays(each, "lent to the live session, outputs ON");
-    await each.locator("#board.on").waitFor();
-    assert.match(await each.title(), /Outputs on/);
-  }
+  const shown = (each) => each.evaluate(() => window.shown);
+  for (const each of [page, other])
+    await eventually(
+      async () => {
+        const all = await shown(each);
+        return all.some(({ words, lit }) => lit && words.includes("lent to the live session, outputs ON")) && all.some(({ title }) => /Outputs on/.test(title ?? ""));
+      },
+      async () => JSON.stringify(await shown(each)),
+    );
   await picture(page, "live-lamp-light");
   await other.keyboard.press("Escape");
   for (const each of [page, other]) {
@@ -297,6 +407,11 @@ test("Escape closes the menu, studies have a way back, and in a small window all
       return Math.max(Math.abs(bar.width - box.width), ...marks.map(Math.abs));
     });
     assert.ok(off < 1.5, `${off} px at ${width}`);
+    await lookedAt(page);
+    // The verdict's band stands beside it, whole.
+    const band = page.locator("#feel .band");
+    assert.match(await band.innerText(), /dB over the least felt.*not known$/);
+    assert.ok(await band.evaluate((each) => each.scrollWidth <= each.clientWidth + 1), `the band is cut at ${width}`);
     const feel = await page.locator("#feel").boundingBox();
     assert.ok(feel.height < 90, `what it will feel like takes ${feel.height} px at ${width}`);
     for (const colorScheme of ["light", "dark"]) {

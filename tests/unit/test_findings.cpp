@@ -75,6 +75,16 @@ TEST_CASE("findings: dwells that are too short, and remedies that make them long
     CHECK(look(with({{"points", 8}, {"rate_hz", 10}, {"shape", shapes(circle)}})).find("short-dwell") == nullptr);
 }
 
+TEST_CASE("findings: no remedy takes more points than a shape has that moves") {
+    // The second key frame cuts a dwell short, which neither fewer points nor fewer passes change.
+    const ordered_json frames = {{{"time_s", 0}}, {{"time_s", 0.0501}, {"move_mm", {5, 0, 0}}}, {{"time_s", 1.5}}};
+    const Looked looked =
+        look(with({{"points", 20}, {"rate_hz", 10}, {"keyframe", frames}, {"shape", shapes(circle)}}));
+    const Finding* const finding = looked.find("short-dwell");
+    REQUIRE(finding != nullptr);
+    CHECK(finding->remedies.empty());
+}
+
 TEST_CASE("findings: a steady point, and none that moves or changes") {
     const ordered_json document = with({{"shape", shapes(point)}});
     const Looked looked = look(document);

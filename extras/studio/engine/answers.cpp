@@ -32,6 +32,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr std::chrono::seconds most_trying{2};  ///< of ways to mend a design, while the next one waits
+
 /// Work whose failure is told, unless it was cancelled: then nobody waits for it any more.
 template <class Work>
 void tell_unless_cancelled(Recipient& page, std::uint32_t n, Work work) {
@@ -147,11 +149,20 @@ ordered_json hand_outline() {
 }  // namespace
 
 void answer(Scenes& scenes, Recipient& page, const SceneMessage& message) {
-    tell_failure(page, message.n, [&] {
+    std::optional<ordered_json> error = error_of([&] {
         const Made made = scenes.compile(message.document);
         page.send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
         page.send(shape_bytes(message.n, made.shape));
+        if (ordered_json sizes = scenes.sizes_of_files(message.document); !sizes.empty())
+            page.send(to_text({{"t", "sizes"}, {"n", message.n}, {"sizes", std::move(sizes)}}));
     });
+    if (!error) return;
+    page.send(to_text({{"t", "failed"}, {"n", message.n}, {"error", *error}}));
+    ordered_json ways = ordered_json::array();
+    using Clock = std::chrono::steady_clock;
+    const auto over = [until = Clock::now() + most_trying] { return Clock::now() > until; };
+    for (const Remedy& way : scenes.ways_out(message.document, over)) ways.push_back(to_json(way));
+    page.send(to_text({{"t", "ways"}, {"n", message.n}, {"ways", ways}}));
 }
 
 void answer(Scenes& scenes, Recipient& page, const HandMessage& message) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a page and the server say to each other over the WebSocket. The requests, and how each is answered; "failed" can
 // replace any answer, and link.ts has the members of answers:
-//   scene              scene, and the object, binary HOB1
+//   scene              scene, the object, binary HOB1, and sizes of its files; or failed, and then ways to mend it
 //   hand               the object, unless it is drawn already; skin and lines, binary HHA1; hand
 //   path, drives, pulses, studies    an answer of the same name
 //   slice, reach, skin               binary HSL1

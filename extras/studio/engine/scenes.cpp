@@ -8,6 +8,7 @@
 #include <complex>
 #include <numbers>
 
+#include "failure.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/array/calibration.hpp"
 #include "haptogram/base/bundle.hpp"
@@ -19,6 +20,7 @@
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/level.hpp"
+#include "ways_out.hpp"
 #ifdef HAPTOGRAM_HAS_FORMATS
 #include "haptogram/formats/readers.hpp"
 #endif
@@ -374,6 +376,45 @@ Made Scenes::compile(const ordered_json& document) {
     scenes_.push_front(scene);
     if (scenes_.size() > most_scenes) scenes_.pop_back();
     return {scene, std::move(shape)};
+}
+
+ordered_json Scenes::sizes_of_files(const ordered_json& document) {
+    std::string identity;
+    const Project project = project_of(toml_of(document), identity);
+    ordered_json sizes = ordered_json::array();
+    for (const ShapeSource& source : project.shapes) {
+        if (source.file.empty()) continue;
+        const std::string hash = hash_of(source.file);
+        ordered_json size;
+        {
+            const std::lock_guard lock(mutex_);
+            size = sizes_[hash];
+        }
+        if (size.is_null()) {
+            // Not under the lock: it may take long.
+            const Shape shape = load_shape({*source.content, source.file, false}, shape_format(source.file), millimetre,
+                                           project.makers.readers);
+            size = {{"extent", millimetres(bounding_box(shape).extent())}, {"own_unit", shape.has_own_unit}};
+            const std::lock_guard lock(mutex_);
+            sizes_[hash] = size;
+        }
+        size["name"] = source.file;
+        sizes.push_back(std::move(size));
+    }
+    return sizes;
+}
+
+std::vector<Remedy> Scenes::ways_out(const ordered_json& document, const std::function<bool()>& over) {
+    const auto opened = [this](const ordered_json& of) {
+        std::string identity;
+        Project project = project_of(toml_of(of), identity);
+        if (project.hand) (void)open_hand(project, identity);
+        return project;
+    };
+    if (error_of([&] { (void)opened(document); })) return {};  // what cannot be read is not mended by other numbers
+    return studio::ways_out(document, [&](const ordered_json& changed) {
+        return !over() && !error_of([&] { (void)haptogram::compile(opened(changed), "image.hex"); });
+    });
 }
 
 std::shared_ptr<const Scene> Scenes::find(const std::string& name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -94,6 +95,13 @@ public:
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
     /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
     Made compile(const nlohmann::ordered_json& document);
+    /// How large the shapes are that a document's files have: [{"name", "extent", "own_unit"}], in the numbers of the
+    /// file, or in millimetres when it says its unit.
+    [[nodiscard]] nlohmann::ordered_json sizes_of_files(const nlohmann::ordered_json& document);
+    /// What mends a document that compile() refuses (ways_out.hpp).
+    /// @param over  whether no more is to be tried
+    [[nodiscard]] std::vector<Remedy> ways_out(
+        const nlohmann::ordered_json& document, const std::function<bool()>& over = [] { return false; });
     /// Opens what a document's hand names, unless it is open already.
     /// @throws Error as compile()
     HandScene hand(const nlohmann::ordered_json& document);
@@ -127,6 +135,7 @@ private:
     std::filesystem::path sent_ = scratch_.path() / "page.haptogram";
     Opened<HandRecording> hands_;
     Opened<DrawnObject> objects_;
+    std::map<std::string, nlohmann::ordered_json> sizes_;  // by the file's hash
     nlohmann::ordered_json first_;
     Project opened_;
     std::list<std::shared_ptr<const Scene>> scenes_;  // the one used last in front

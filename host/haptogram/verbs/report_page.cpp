@@ -44,7 +44,8 @@ double rounded_down(double value) {
 std::vector<Remedy> longer_dwells(const Project& project, const Compiled& compiled, std::uint32_t periods) {
     if (!is_visited_at_rate(project)) return {};
     const double carrier_hz = compiled.bundle.manifest.timer.carrier_hz();
-    const std::size_t count = compiled.path.steps.size();
+    // Key frames make the path longer than the pass, whose points it repeats.
+    const std::size_t count = compiled.points.points.size();
     std::vector<Remedy> found;
     // Dwells are rounded to whole periods, so that some are one shorter than their share.
     const auto points = static_cast<std::size_t>(carrier_hz / project.rate_hz / periods);
@@ -266,11 +267,12 @@ std::vector<Finding> findings_of(const Loudness& loudness) {
     return found;
 }
 
+ordered_json to_json(const Remedy& remedy) { return {{"label", remedy.label}, {"changes", remedy.changes}}; }
+
 ordered_json to_json(const Finding& finding) {
     ordered_json records = ordered_json::array(), remedies = ordered_json::array();
     for (const std::size_t place : finding.records) records.push_back(place + 1);
-    for (const Remedy& remedy : finding.remedies)
-        remedies.push_back({{"label", remedy.label}, {"changes", remedy.changes}});
+    for (const Remedy& remedy : finding.remedies) remedies.push_back(to_json(remedy));
     return {{"kind", finding.kind}, {"message", finding.message}, {"records", records}, {"remedies", remedies}};
 }
 

@@ -66,7 +66,9 @@ inline constexpr double least_widths = 2.0;
 /// | `intense` | more intensity than is known to be safe inside tissue |
 [[nodiscard]] std::vector<Finding> findings_of(const Loudness& loudness);
 
-/// {"kind", "message", "records", "remedies": [{"label", "changes"}]}, records counted from 1.
+/// {"label", "changes"}
+[[nodiscard]] nlohmann::ordered_json to_json(const Remedy& remedy);
+/// {"kind", "message", "records", "remedies"}, records counted from 1.
 [[nodiscard]] nlohmann::ordered_json to_json(const Finding& finding);
 
 /// A paragraph for a paper's section on methods: everything that somebody else needs to make the same image and to know

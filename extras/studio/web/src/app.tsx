@@ -21,7 +21,7 @@ import { ProfilePlot } from "./plot";
 import { look } from "./quantity";
 import { Session } from "./session";
 import { Drawing } from "./path";
-import { Properties, Subject } from "./shape";
+import { Begin, Properties, Subject } from "./shape";
 import { Splitter } from "./splitter";
 import { type Actions, boards, made, shownRecord, state, tell } from "./state";
 import { readPathFile } from "./stroke";
@@ -133,7 +133,7 @@ function Page({ actions }: { actions: Actions }) {
   return (
     <>
       <aside id="left" aria-label="Objects" hidden={left} tabIndex={0}>
-        {step === "Make" && <><Gallery actions={actions} /><Subject actions={actions} /></>}
+        {step === "Make" && <><Begin actions={actions} /><Gallery actions={actions} /><Subject actions={actions} /></>}
         {step === "See" && <><Compare actions={actions} /><Pins actions={actions} /></>}
         {step === "Play" && <TakeAway actions={actions} />}
       </aside>

@@ -3,18 +3,23 @@
 // rests and buzzes, the weakest part, the size of a focus, loudness; and what should be known, in the server's words, each with a way to see and to mend it.
 import { ChevronDown, ChevronUp, CircleCheck, LoaderCircle, TriangleAlert } from "lucide-preact";
 import { edit, having, project, type ProjectDocument } from "./document";
-import type { Analysis, Finding, Point, Scene } from "./link";
+import { wordsOf } from "./labels";
+import type { Analysis, Finding, Point, Remedy, Scene } from "./link";
 import { short } from "./quantity";
 import { type Actions, state } from "./state";
 
-/** A remedy is an edit as any other; of a table, only the keys that it names change. */
+/** A remedy is an edit as any other. */
 function mended(now: ProjectDocument, changes: Record<string, unknown>): ProjectDocument {
   const whole = Object.entries(changes).map(([key, value]): [string, unknown] => {
     const before = now[key];
     const isTable = typeof value === "object" && !Array.isArray(value) && value !== null;
-    return [key, isTable ? { ...(typeof before === "object" ? before : {}), ...value } : value];
+    return [key, isTable ? { ...(typeof before === "object" ? before : {}), ...value } : value ?? undefined];
   });
   return having(now, Object.fromEntries(whole));
+}
+
+export function Remedies({ remedies, disabled = false }: { remedies: Remedy[]; disabled?: boolean }) {
+  return <>{remedies.map(({ label, changes }) => <button key={label} type="button" class="remedy" disabled={disabled} onClick={() => project.value && edit(mended(project.value, changes))}>{label}</button>)}</>;
 }
 
 /** A focal point and its force over what a palm just feels, if it rested and buzzed. */
@@ -38,13 +43,16 @@ export function feltOf(scene: Scene, analysis: Analysis): { weakest: Felt; stron
   return { weakest: by((a, b) => a < b), strongest: by((a, b) => a > b) };
 }
 
-type Verdict = "clear" | "perhaps" | "unfelt" | "notes" | "looking" | "nothing";
+type Verdict = "clear" | "perhaps" | "unfelt" | "notes" | "looking" | "nothing" | "refused";
 
 /** The program's verdict in a word. */
 function verdictOf({ verdict }: Analysis, found: number): Verdict {
   if (verdict.startsWith("felt")) return found > 0 ? "notes" : "clear";
   return verdict.startsWith("perhaps") ? "perhaps" : "unfelt";
 }
+
+/** How sure it is: the rest of the program's sentence, without the level that it is of. */
+const bandOf = ({ verdict }: Analysis): string => verdict.slice(verdict.indexOf(":") + 1).replace(/;[^;]*$/, "").trim();
 
 /** From a tenth to a hundred times what is just felt, as a part of the bar. */
 const onBar = (times: number): number => 100 * Math.min(1, Math.max(0, (Math.log10(Math.max(times, 1e-6)) + 1) / 3));
@@ -69,29 +77,33 @@ const verdicts: Record<Verdict, (scene: Scene | undefined, found: number) => str
   notes: (_, found) => `Felt, with ${found} ${found === 1 ? "remark" : "remarks"}`,
   looking: (scene) => `Each of ${scene?.foci.length ?? 0} points is being looked at…`,
   nothing: () => "Nothing is played yet",
+  refused: () => "Cannot be made",
 };
 
 export function Feel({ actions }: { actions: Actions }) {
   const { scene, analysis, current, folded } = state;
   const now = state.refused.value ? undefined : scene.value;
-  const found = now ? analysis.value?.findings ?? now.findings : [];
+  const { value: refused } = state.refused;
+  // As long as the box over the view says so, it is said there alone.
+  const found = refused ? (state.failure.value ? [] : [{ kind: "refused", message: wordsOf(refused), records: [], remedies: refused.ways ?? [] }]) : now ? analysis.value?.findings ?? now.findings : [];
   const felt = now && analysis.value ? feltOf(now, analysis.value) : undefined;
-  const verdict: Verdict = !now ? "nothing" : !analysis.value || !current.value ? "looking" : verdictOf(analysis.value, found.length);
+  const verdict: Verdict = refused ? "refused" : !now ? "nothing" : !analysis.value || !current.value ? "looking" : verdictOf(analysis.value, found.length);
   const closed = folded.value.feel;
-  const Icon = verdict === "clear" ? CircleCheck : ["perhaps", "unfelt", "notes"].includes(verdict) ? TriangleAlert : LoaderCircle;
+  const Icon = verdict === "clear" ? CircleCheck : ["perhaps", "unfelt", "notes", "refused"].includes(verdict) ? TriangleAlert : LoaderCircle;
   return (
     <section id="feel" aria-label="What it will feel like" class={closed ? "closed" : ""}>
       <div class="verdict-row">
         <h2>What it will feel like</h2>
         <p class={`verdict is-${verdict}`} role="status" data-verdict-of-feel={verdict}><Icon size={16} aria-hidden="true" /> {verdicts[verdict](now, found.length)}</p>
-        {closed && felt && <Meter {...felt} />}
+        {closed && now && analysis.value && current.value && <p class="band" title={`By models: ${analysis.value.verdict}.`}>{bandOf(analysis.value)}</p>}
         <button type="button" class="ghost" aria-expanded={!closed} aria-label={closed ? "Show what it will feel like in full" : "Fold what it will feel like"} onClick={() => (folded.value = { ...folded.value, feel: !closed })}>{closed ? <ChevronUp size={16} /> : <ChevronDown size={16} />}</button>
       </div>
       {!closed && (
-        <div class={current.value ? "feel-body" : "feel-body stale"}>
-          {analysis.value && <p class="hint">By models: {analysis.value.verdict}.</p>}
+        <div class={current.value || refused ? "feel-body" : "feel-body stale"}>
+          {now && analysis.value && <p class="hint">By models: {analysis.value.verdict}.</p>}
           {felt && analysis.value && (
             <>
+              <p class="hint">If each focus rested and buzzed:</p>
               <Meter {...felt} />
               <p class="ends"><span>nothing</span><span class="just">just felt</span><span>strong</span></p>
               <dl>
@@ -100,7 +112,7 @@ export function Feel({ actions }: { actions: Actions }) {
                 <dt>Focus</dt><dd>{short(felt.strongest.width_mm)} mm wide</dd>
                 <dt>At an ear, 300 mm</dt><dd class={analysis.value.at_300_mm_db > analysis.value.most_at_300_mm_db ? "warning" : ""}>{Math.round(analysis.value.at_300_mm_db)} dB of {Math.round(analysis.value.most_at_300_mm_db)}</dd>
               </dl>
-              {!analysis.value.level.calibrated && <details class="more"><summary>If each focus rested and buzzed</summary><p class="hint">{analysis.value.level.note}</p></details>}
+              {!analysis.value.level.calibrated && <details class="more"><summary>At which level</summary><p class="hint">{analysis.value.level.note}</p></details>}
             </>
           )}
           <Findings actions={actions} found={found} />
@@ -126,9 +138,7 @@ function Findings({ actions, found }: { actions: Actions; found: Finding[] }) {
           <p class="warning"><TriangleAlert size={14} aria-hidden="true" /> {finding.message}</p>
           <div class="buttons">
             {finding.records.length > 0 && <button type="button" disabled={!current.value} onClick={() => show(finding)}>Show {finding.records.length > 1 ? `the first of ${finding.records.length}` : "it"}</button>}
-            {finding.remedies.map(({ label, changes }) => (
-              <button key={label} type="button" class="remedy" disabled={!current.value} onClick={() => project.value && edit(mended(project.value, changes))}>{label}</button>
-            ))}
+            <Remedies remedies={finding.remedies} disabled={!current.value && finding.kind !== "refused"} />
           </div>
         </li>
       ))}

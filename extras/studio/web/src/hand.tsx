@@ -9,7 +9,7 @@ import { InstrumentFields, Strength } from "./instrument";
 import { labels } from "./labels";
 import type { FrameReport } from "./link";
 import { Modulation } from "./modulation";
-import { touchedAt } from "./placing";
+import { fileUnits, touchedAt } from "./placing";
 import { short } from "./quantity";
 import { type Actions, state } from "./state";
 
@@ -92,7 +92,7 @@ function Touched({ actions, now, hand }: WithDocument) {
   return (
     <Panel title="Touched object">
       <Choice label="Kind" value={object} choices={[...kinds, ...(kinds.includes(object) ? [] : [object])].map((kind) => [kind, kind])} onValue={(kind) => change(now, { object: kind, unit: undefined, height_mm: undefined, size_mm: kinds.includes(object) ? hand.size_mm : undefined })} />
-      {file && <Choice label="Unit of the file" value={hand.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(now, { unit })} />}
+      {file && <Choice label="Unit of the file" value={hand.unit ?? "mm"} choices={fileUnits.map((unit): [string, string] => [unit, unit])} onValue={(unit) => change(now, { unit })} />}
       {object !== "half-space" && <MaybeField label={labels.size} unit="mm" empty={file ? "its own" : "100"} value={hand.size_mm} least={0.001} onValue={(size_mm) => change(now, { size_mm })} />}
       {withHeight.includes(object) && <NumberField label="Height" unit="mm" value={hand.height_mm ?? hand.size_mm ?? 100} least={0.001} onValue={(height_mm) => change(now, { height_mm })} />}
       <PointField label={labels.center} each={labels.center} unit="mm" value={centre} onValue={(center_mm) => change(now, { center_mm })} />
@@ -182,7 +182,7 @@ export function HandReport() {
             <Row name="Length of all lines" value={short(report.length_mm)} unit="mm" />
             <Row name="Foci at a time" value={String(report.foci)} unit="" />
             <Row name="Tilt leaves" value={percent(report.tilt)} unit="%" />
-            <Row name="Too weak to be felt" value={percent(report.weak)} unit="%" mark={report.weak > 0.5 ? "most" : undefined} />
+            <Row name="Under the least mean force" value={percent(report.weak)} unit="%" />
             <Row name="Out of reach" value={percent(report.out_of_reach)} unit="%" mark={report.out_of_reach > 0 ? "silent" : undefined} />
             <Row name="Lines missed" value={String(report.lines_missed)} unit="" mark={report.lines_missed > 0 ? "take more points" : undefined} />
             <Row name="One pass" value={short(1e3 * shown.pass_s)} unit="ms" />
@@ -194,7 +194,7 @@ export function HandReport() {
       {shown.lines.length > 0 && (
         <>
           <p class="hint">Each line, in its order: {shown.lines.map(({ kind, length_mm }) => `${kind} ${short(length_mm)} mm`).join(", ")}</p>
-          <p class="hint key">In the view:<i class="felt" />strong enough<i class="weak" />too weak<i class="focus" />focal points</p>
+          <p class="hint key">In the view:<i class="felt" />over the least mean force<i class="weak" />under it<i class="focus" />focal points</p>
         </>
       )}
     </Panel>

@@ -9,7 +9,7 @@ import { type Actions, state } from "./state";
 import { entryAt } from "./tour";
 
 const eases = [["linear", "goes on evenly"], ["smooth", "goes on gently"], ["step", "stays until the next"]] as const;
-const fewPoints = 20; // each focal point of each pass is one that the board must hold
+export const fewPoints = 20; // each focal point of each pass is one that the board must hold
 
 /** Without what a frame has anyway. */
 function brief(frame: KeyFrame): KeyFrame {

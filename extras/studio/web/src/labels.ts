@@ -13,7 +13,7 @@ const others: Record<string, keyof typeof labels> = { rate: "rate_hz", speed: "s
 
 /** The label of a key or an option that a failure names. */
 export function labelOf(name: string): string | undefined {
-  if (name === "project") return "The design";
+  if (name === "project" || name.startsWith("generic-")) return "The design"; // no board was chosen
   const key = others[name] ?? name;
   return Object.hasOwn(labels, key) ? labels[key as keyof typeof labels] : undefined;
 }

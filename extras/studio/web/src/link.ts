@@ -52,7 +52,20 @@ export interface Finding {
   kind: string;
   message: string;
   records: number[];
-  remedies: { label: string; changes: Record<string, unknown> }[];
+  remedies: Remedy[];
+}
+
+/** How large a file's shape is along x, y and z in the file's own numbers; in millimetres, if it says its unit. */
+export interface FileSize {
+  name: string;
+  extent: Point;
+  own_unit: boolean;
+}
+
+/** An edit: keys of the document with other values, null to leave one out; of a table, the keys that change. */
+export interface Remedy {
+  label: string;
+  changes: Record<string, unknown>;
 }
 
 export interface Analysis {
@@ -160,6 +173,8 @@ export interface Failure {
   message: string;
   /** settings that could mend it */
   remedies?: string[];
+  /** of a design: edits that mend it, each of which was tried; they come later */
+  ways?: Remedy[];
   /** It is not of the document shown, so it stays when the next scene has come. */
   lasts?: boolean;
 }
@@ -311,6 +326,8 @@ export type Event =
   | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number; /** that plays */ scene?: string; /** what is wrong with a line of the pipe */ line?: string }
   | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
   | { t: "stopped"; work: string; number: number }
+  | { t: "sizes"; n: number; sizes: FileSize[] }
+  | { t: "ways"; n: number; ways: Remedy[] }
   | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }
   | { t: "error"; error: Failure }
   | ({ t: "studies"; n: number } & Studies)

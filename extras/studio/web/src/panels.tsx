@@ -5,7 +5,8 @@ import { type ColourMap, colourMaps, stops } from "./colours";
 import { NeedsProgram } from "./board";
 import { commands } from "./commands";
 import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
-import { designName, edit, having, project } from "./document";
+import { designName, project } from "./document";
+import { Remedies } from "./feel";
 import { placeOf, wordsOf } from "./labels";
 import type { Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
@@ -169,8 +170,7 @@ export function ScaleBar() {
 export function Failed() {
   const failure = state.failure.value;
   if (!failure) return null;
-  const clips = failure.remedies?.includes("clip");
-  return <p class="failed" role="alert"><strong>{placeOf(failure.where)}</strong> {wordsOf(failure)} {clips && <button type="button" onClick={() => project.value && edit(having(project.value, { clip: true }))}>Leave out what is out of reach</button>} <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button></p>;
+  return <p class="failed" role="alert"><strong>{placeOf(failure.where)}</strong> {wordsOf(failure)} <Remedies remedies={failure.ways ?? []} /> <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button></p>;
 }
 
 export function Status() {

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where objects are: a document places the whole, and each of its shapes before that.
 import { having, type KeyFrame, type Place, type ProjectDocument, type ShapeEntry } from "./document";
-import type { Point } from "./link";
+import type { FileSize, Point } from "./link";
+import { short } from "./quantity";
 
 const standard: Point = [0, 0, 130]; // of built-in shapes, none of which has a centre
 export const touchedAt: Point = [0, 0, 200]; // of an object that a hand feels
 const keys = ["scale", "size_mm", "rotate_deg", "center_mm"] as const;
+
+/** What a 1 in a file may be, and how many millimetres that is. */
+const unitsMm = { mm: 1, cm: 10, inch: 25.4, m: 1000 };
+export const fileUnits = Object.keys(unitsMm);
+const fittedMm = 60;
 
 /** Without the keys that are undefined. */
 function clean<T extends object>(given: T): T {
@@ -53,6 +59,41 @@ export function without(document: ProjectDocument, object: number): ProjectDocum
     return { ...frame, shape: shape > object + 1 ? shape - 1 : shape };
   });
   return having(document, { shape: (document.shape ?? []).filter((_, i) => i !== object), keyframe });
+}
+
+/**
+ * How large a file's shape may be: fitted to a size, or as large as its numbers say in a unit, which most files leave open.
+ * @param size  of the file, in its own numbers @return what is chosen by, and what it is called
+ */
+export function sizesOf(size: FileSize | undefined): [string, string][] {
+  const widest = size ? Math.max(...size.extent) : undefined;
+  const units = size?.own_unit ? ["mm"] : fileUnits;
+  const as = (unit: string): string => (widest === undefined ? unit : `${size?.own_unit ? "as it says itself" : unit}: ${short(widest * (unitsMm[unit as keyof typeof unitsMm] ?? 1))} mm`);
+  return [["", `not known: fitted to ${fittedMm} mm`], ...units.map((unit): [string, string] => [unit, as(unit)])];
+}
+
+/** The unit that a file's shape is as large as, "" when it is fitted. */
+export function unitOf(document: ProjectDocument, shape: number): string {
+  const entry = document.shape?.[shape];
+  return entry?.size_mm !== undefined || document.place?.size_mm !== undefined ? "" : entry?.unit ?? "mm";
+}
+
+/** The file's shape as large as in a unit, or fitted. */
+export function inUnit(document: ProjectDocument, shape: number, unit: string): ProjectDocument {
+  const ofFile = having(document, { shape: (document.shape ?? []).map((each, i) => (i === shape ? clean({ ...each, unit: unit === "" || unit === "mm" ? undefined : unit, ...(document.place?.size_mm === undefined || unit === "" ? {} : { size_mm: undefined }) }) : each)) });
+  const where = placed(document, shape);
+  return moved(unit === "" || document.place?.size_mm === undefined ? ofFile : moved(ofFile, undefined, { size_mm: undefined }), where, { size_mm: unit === "" ? fittedMm : undefined });
+}
+
+/** One more object, after the others in place of beside them: they stay for a second, and so does it. */
+export function withNext(document: ProjectDocument, kind: string, fewPoints: number): ProjectDocument {
+  const more = withForm(document, kind);
+  const shape = more.shape?.length ?? 1;
+  const before = document.keyframe ?? [{ time_s: 0, ease: "step" }, { time_s: 1 }];
+  const last = before.at(-1) ?? { time_s: 0 };
+  const { shape: _, ...rest } = last;
+  const keyframe: KeyFrame[] = [...before.slice(0, -1), { ...rest, shape, ease: "step" }, { ...rest, shape, time_s: Number((last.time_s + 1).toFixed(3)) }];
+  return having(more, { keyframe, points: Math.min(document.points ?? 200, fewPoints) });
 }
 
 /** What several objects are called. */

@@ -9,7 +9,7 @@ import { HandReader, type HandShown } from "./hand_reader";
 import { Latest } from "./latest";
 import { LiveReader } from "./live_reader";
 import { placeOf } from "./labels";
-import type { Device, Event, Failure, Link, Scene } from "./link";
+import type { Device, Event, Failure, Link, Remedy, Scene } from "./link";
 import { PinReader } from "./pin_reader";
 import { look } from "./quantity";
 import type { Skin } from "./skin";
@@ -36,6 +36,7 @@ export class Session {
   private asked: { n: number; document: string } | undefined; // scene under way
   private dropped: { step: Step | undefined; made: boolean; before: Map<string, File | undefined> } | undefined; // files of the last step
   private analysed: { n: number; scene: string } | undefined; // that was asked for last
+  private refused: number | undefined; // the question for the scene that is refused
   private told = 0; // when the numbers of a slice were shown last
 
   constructor(
@@ -197,6 +198,7 @@ export class Session {
     this.asked = undefined;
     state.current.value = !changed && !failure;
     state.refused.value = changed ? undefined : failure;
+    this.refused = n;
     if (changed) this.ask();
     return true;
   }
@@ -269,6 +271,10 @@ export class Session {
       this.study.show(event.shown);
     } else if (event.t === "live") {
       this.live.show(event.shown);
+    } else if (event.t === "sizes") {
+      state.sizes.value = { ...state.sizes.peek(), ...Object.fromEntries(event.sizes.map((each) => [each.name, each])) };
+    } else if (event.t === "ways") {
+      this.waysCame(event.n, event.ways);
     } else if (event.t === "failed") {
       this.failed(event);
     } else if (event.t === "error") {
@@ -277,6 +283,15 @@ export class Session {
       if (event.t === "progress" && event.line !== undefined) state.wrongLine.value = event.line;
       else this.worked(event);
     }
+  }
+
+  /** What mends the design that is refused stands wherever that is said. */
+  private waysCame(n: number, ways: Remedy[]): void {
+    const refused = state.refused.peek();
+    if (n !== this.refused || !refused) return;
+    const mended = { ...refused, ways };
+    if (state.failure.peek() === refused) state.failure.value = mended;
+    state.refused.value = mended;
   }
 
   private sceneCame(scene: Scene): void {

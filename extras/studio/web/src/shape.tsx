@@ -4,11 +4,12 @@ import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./cont
 import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
 import { HandSettings } from "./hand";
 import { InstrumentFields, Strength, Strongest } from "./instrument";
-import { KeyFrames } from "./key_frames";
+import { fewPoints, KeyFrames } from "./key_frames";
 import { labels } from "./labels";
 import { Modulation } from "./modulation";
 import { PathPanel } from "./path";
-import { moved, nameOf, placed, placeOf, withAnother, without } from "./placing";
+import { inUnit, moved, nameOf, placed, placeOf, sizesOf, unitOf, withAnother, withNext, without } from "./placing";
+import { short } from "./quantity";
 import { type Actions, state } from "./state";
 import { Triggers } from "./triggers";
 
@@ -26,17 +27,13 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
   const several = shapes.length > 1;
   const chosen = several ? placed(now, state.chosen.value) : 0;
   const shape: ShapeEntry = (chosen === undefined ? undefined : shapes[chosen]) ?? {};
+  const size = shape.file === undefined ? undefined : state.sizes.value[shape.file];
   const change = (i: number, changes: ShapeEntry): void => edit(having(now, { shape: shapes.map((each, k) => (k === i ? { ...each, ...changes } : each)) }));
   /** Another kind has other measures, and stands where the old one did. */
   const become = (i: number, kind: string): void => {
     const { scale, size_mm, rotate_deg, center_mm } = shapes[i] ?? {};
     const place = Object.fromEntries(Object.entries({ scale, size_mm, rotate_deg, center_mm }).filter(([, value]) => value !== undefined));
     edit(having(now, { shape: shapes.map((each, k) => (k === i ? { kind, ...place } : each)) }));
-  };
-  const add = (): void => {
-    const lowest = Math.max(130, ...shapes.map((each) => each.center_mm?.[2] ?? 130));
-    edit(withAnother(now, { kind: "circle", diameter_mm: 30, center_mm: [0, 0, lowest] }));
-    actions.choose(shapes.length);
   };
   return (
     <Panel title={labels.shape}>
@@ -45,22 +42,43 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
       {chosen !== undefined && shape.file !== undefined && (
         <>
           <p class="file">{shape.file}</p>
-          <Choice label="Unit of the file" value={shape.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(chosen, { unit })} />
+          <Choice label="Unit of the file" value={unitOf(now, chosen)} choices={sizesOf(size)} onValue={(unit) => edit(inUnit(now, chosen, unit))} />
+          {size && <p class="hint">{size.own_unit ? "It says its unit:" : "It says no unit; its numbers are"} {size.extent.map(short).join(" × ")}{size.own_unit && " mm"}.</p>}
           <Choice label="Upwards in the file" value={String(shape["up"] ?? "z")} choices={[["z", "z"], ["y", "y"]]} onValue={(up) => change(chosen, { up })} />
           {!several && <button type="button" onClick={() => edit(having(now, { shape: [{ kind: "hemisphere" }], place: undefined }))}>Back to a built-in shape</button>}
         </>
       )}
       {chosen === undefined && <p class="file">{shapes.map(nameOf).join(", ")}</p>}
+      {several && chosen !== undefined && <button type="button" onClick={() => { actions.choose(undefined); edit(without(now, chosen)); }}>Remove this one</button>}
+    </Panel>
+  );
+}
+
+/** What a design begins with, before anything else in the panel. */
+export function Begin({ actions }: { actions: Actions }) {
+  const now = project.value;
+  if (!now || now.hand) return null;
+  const shapes = now.shape ?? [];
+  const beside = (): void => {
+    const lowest = Math.max(130, ...shapes.map((each) => each.center_mm?.[2] ?? 130));
+    edit(withAnother(now, { kind: "circle", diameter_mm: 30, center_mm: [0, 0, lowest] }));
+    actions.choose(shapes.length);
+  };
+  const afterwards = (): void => {
+    edit(withNext(now, "circle", fewPoints));
+    state.keyFrame.value = Math.max(1, (now.keyframe?.length ?? 2) - 1);
+  };
+  return (
+    <Panel title="Begin">
       <div class="buttons">
-        <button type="button" disabled={shapes.length === 0} onClick={add}>+ Add an object</button>
-        {several && chosen !== undefined && <button type="button" onClick={() => { actions.choose(undefined); edit(without(now, chosen)); }}>Remove this one</button>}
+        <label class="button" title="PLY, OBJ, STL, OFF, PCD, 3MF, glTF, SVG, XYZ, CSV; a path, an AdapTics pattern; a sound (WAV) to modulate by; a bundle, or a project with its files">Open a file…
+          <input class="hidden" type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.off,.pcd,.3mf,.gltf,.glb,.svg,.xyz,.csv,.json,.adaptics,.wav" onChange={(e) => { void actions.drop([...(e.currentTarget.files ?? [])]); e.currentTarget.value = ""; }} />
+        </label>
+        {!now.path && <button type="button" onClick={() => actions.draw(true)}>Draw a path by hand</button>}
+        {shapes.length > 0 && <button type="button" title="Another object beside the one that is there" onClick={beside}>+ Add an object</button>}
+        {shapes.length > 0 && <button type="button" title="Another object after the one that is there, in its place" onClick={afterwards}>+ One afterwards</button>}
       </div>
-      <button type="button" class="wide" onClick={() => actions.draw(true)}>Draw a path by hand</button>
-      <label class="drop">
-        Drop a file anywhere, or choose one
-        <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.off,.pcd,.3mf,.gltf,.glb,.svg,.xyz,.csv,.json,.adaptics,.wav" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
-        <small>PLY, OBJ, STL, OFF, PCD, 3MF, glTF, SVG, XYZ, CSV; a path, an AdapTics pattern; a sound (WAV) to modulate by; a bundle, or a project with its files</small>
-      </label>
+      <p class="hint">Or drop a file anywhere.</p>
     </Panel>
   );
 }

@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
 import type { Design } from "./keeper";
 import { placeOf, wordsOf } from "./labels";
-import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, Link, LiveScene, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FileSize, FrameReport, HandFrame, Hello, Link, LiveScene, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
 /** What a user is at: each step shows what it needs. */
@@ -96,6 +96,8 @@ export const state = {
   stopping: signal(false),
   /** Whether the scene shown is that of the document shown. */
   current: signal(false),
+  /** How large the shapes are that files have, by the files' names. */
+  sizes: signal<Record<string, FileSize>>({}),
   /** Why the document shown has no scene. */
   refused: signal<Failure | undefined>(undefined),
   object: signal<Drawn | undefined>(undefined),
