@@ -9,6 +9,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/intensity.hpp"
+#include "haptogram/link/outputs.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "simulated_board.hpp"
 #include "simulated_transport.hpp"
@@ -196,10 +197,14 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
         if (board.now() - begun < wanted) playback.status = client.status();
     }
     if (options.duration_s) client.stop();
-    // The last cycle, and one of silence after it.
-    const std::uint64_t limit = 2 * pass + static_cast<std::uint64_t>(0.1 * clock_hz);
-    const bool ended =
-        board.run_until([&] { return board.outputs().index == 0 && recorder.cycles().back().index == 0; }, limit);
+    // The last cycle, and some of silence after it. Record 0 alone is no end: a sequence may have silence in its
+    // middle.
+    const std::uint64_t limit = board.now() + 2 * pass + static_cast<std::uint64_t>(0.1 * clock_hz);
+    bool ended = false;
+    while (!ended && board.now() < limit) {
+        board.run(cycle);
+        ended = recorder.cycles().back().index == 0 && link::is_over(client.status());
+    }
     board.run(4 * cycle);
     playback.playing_clocks = board.now() - begun;
     playback.playing_seconds = playing.seconds();

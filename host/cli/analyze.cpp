@@ -142,10 +142,15 @@ int analyze_source(const AnalyzeOptions& options) {
     return 0;
 }
 
-const std::vector<OptionOf> options_of_kinds = {
-    {"--plane", {"map"}},      {"--extent", {"map"}},           {"--step", {"map"}},
-    {"--output", {"map"}},     {"--least-force", {"analysis"}}, {"--json", {"analysis"}},
-    {"--board", {"analysis"}}, {"--manifest", {"analysis"}},    {"--quantise", {"analysis"}}};
+const std::vector<OptionOf> options_of_kinds = {{"--plane", {"a map"}},
+                                                {"--extent", {"a map"}},
+                                                {"--step", {"a map"}},
+                                                {"--output", {"a map"}},
+                                                {"--least-force", {"an analysis"}},
+                                                {"--json", {"an analysis"}},
+                                                {"--board", {"an analysis"}},
+                                                {"--manifest", {"an analysis"}},
+                                                {"--quantise", {"an analysis"}}};
 
 /// What was measured says of the array's source strength.
 int calibrate(const AnalyzeOptions& options) {
@@ -165,6 +170,7 @@ int analyze_array(const AnalyzeOptions& options) {
     const std::string output = options.output.empty() ? "-" : options.output;
     check_field_path(output, region, Quantity::rms);
     write_field(output, workspace_field(array, region));
+    fmt::print(stderr, "{}\n", level_text(array.transducer));
     return 0;
 }
 
@@ -195,8 +201,8 @@ void add_analyze(CLI::App& app, Action& action) {
             const Source& source = options->what.source;
             const bool map =
                 source.array && source.file.empty() && options->what.focus.empty() && source.pulses.empty();
-            const char* const wanted = options->level.given() ? "level" : map ? "map" : "analysis";
-            require_effect(given, options_of_kinds, wanted, "what is wanted");
+            const char* const wanted = options->level.given() ? "a level" : map ? "a map" : "an analysis";
+            require_effect(given, options_of_kinds, wanted, "what these options ask for");
             if (options->level.given()) return calibrate(*options);
             return map ? analyze_array(*options) : analyze_source(*options);
         };

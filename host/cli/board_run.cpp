@@ -254,9 +254,10 @@ void add_board_run(CLI::App& board, Action& action) {
                          ->excludes(image)
                          ->capture_default_str();
     auto* like =
-        sub->add_option("--board", options->board,
-                        "Board to be like: shipped board, board file (TOML) or configuration of the core such as "
-                        "tile-100-wide, without an image; rtl takes the first Verilated core that can stand for it")
+        sub->add_option(
+               "--board", options->board,
+               "Board to simulate, without an image: shipped board, board file (TOML) or configuration of the core "
+               "such as tile-100-wide. With --model rtl, the first Verilated core that has what it has")
             ->excludes(image)
             ->excludes(channels);
     sub->add_option("--model", options->model,

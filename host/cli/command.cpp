@@ -74,7 +74,7 @@ void require_effect(const std::vector<std::string>& given, const std::vector<Opt
                     std::string_view subject) {
     for (const OptionOf& one : options)
         if (is_among(given, one.option) && std::ranges::find(one.kinds, kind) == one.kinds.end())
-            throw bad_argument(std::string(one.option), fmt::format("has no effect, because {} is {}; it is of {}",
+            throw bad_argument(std::string(one.option), fmt::format("has no effect, because {} is {}; it belongs to {}",
                                                                     subject, kind, fmt::join(one.kinds, ", ")));
 }
 

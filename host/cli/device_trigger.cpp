@@ -82,7 +82,7 @@ void add_device_trigger(CLI::App& device, Action& action) {
     CLI::App* pins = device.add_subcommand(
         "trigger",
         "Set up the trigger pins and the test output of a board that has them, and print how they "
-        "are and when they changed last; what is not said stays as it is");
+        "are and when they changed last; settings that are not given stay as they are");
     add_port_options(*pins, options->port);
     pins->add_flag("--json", options->json, "As JSON");
     pins->callback([options, &action] { action = [options] { return trigger(*options); }; });
@@ -103,8 +103,7 @@ void add_device_trigger(CLI::App& device, Action& action) {
         ->needs(input);
     pins->add_flag("--gate", options->gate, "No pulse reaches the transducers while the input is not active")
         ->needs(input);
-    pins->add_option("--settle", options->settle_ms,
-                     "For which a change of the input must last before it counts, in ms")
+    pins->add_option("--settle", options->settle_ms, "A change of the input counts when it has lasted so long, in ms")
         ->check(CLI::Range(0.0, 1e3));
     auto* test = pins->add_option("--test", options->test,
                                   "What an oscilloscope sees at the test output: the carrier of a channel, a change at "

@@ -60,6 +60,9 @@ int field(const FieldCommand& command, const std::vector<std::string>& given) {
     if (command.output == "-" && command.json)
         throw bad_argument("json", "the field would go to standard output, too; give --output a file");
     const Region region = region_of(command);
+    if (constexpr std::size_t many = 10'000'000; region.grid.size() > many)
+        complain(
+            fmt::format("warning: {} points take long and much room; a larger --step takes fewer", region.grid.size()));
     const Quantity quantity = quantity_of(command.quantity);
     check_field_path(command.output, region, quantity);
     const Source source = source_of(command.what, "field");

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <string_view>
 
 #include "command.hpp"
 #include "extras.hpp"
+#include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "progress_line.hpp"
 #include "source_options.hpp"
@@ -21,6 +23,11 @@ struct ReportOptions {
 };
 
 int make_report(const ReportOptions& options) {
+    for (const std::string_view ending : {".pdf", ".svg", ".png"})
+        if (options.output.ends_with(ending))
+            throw bad_argument("output", fmt::format("'{}': the page is HTML; name it .html, and print it as {} from a "
+                                                     "browser",
+                                                     options.output, ending.substr(1)));
     const Source source = source_of(options.what, "report");
     if (!options.methods) require_distinct(files_of(source), {{"--output", options.output}});
     const Timeline timeline = open_timeline(source);

@@ -153,8 +153,8 @@ void add_solve(CLI::App& app, Action& action) {
     sub->add_flag("--amplitudes", options->amplitudes,
                   "Drives may differ in amplitude; a record keeps only their phases");
     sub->add_option("--level", options->level,
-                    "What amplitudes are fractions of: reachable (the most that the array can make at that place) or "
-                    "pressure (one for all)")
+                    "An amplitude of 1 is: reachable, the most that the array can make at that place; or pressure, the "
+                    "same pressure at all places")
         ->check(CLI::IsMember({"reachable", "pressure"}))
         ->capture_default_str();
     sub->add_option("--rounds", options->rounds,

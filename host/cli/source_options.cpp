@@ -20,19 +20,21 @@ CLI::Option* add_source_file(CLI::App& command, Source& source, const std::strin
 void add_array_and_board(CLI::App& command, Source& source) {
     command.add_option(
         "--array", source.array,
-        "Array of a path, a shape or a focus: array file or shipped array; by default tile-10x10. What was "
-        "compiled must be for it");
+        "Array file or shipped array for a path, a shape or --focus (default: tile-10x10). A compiled image "
+        "must have been made for it");
     command.add_option("--board", source.board,
-                       "Board of a path, a shape or a focus: board file, shipped board or configuration");
+                       "Board file, shipped board or configuration for a path, a shape or --focus");
 }
 
 void add_source(CLI::App& command, SourceOptions& options) {
     Source& source = options.source;
-    CLI::Option* const file =
-        add_source_file(command, source, "An image's manifest alone (.json), for exact phases; or an ");
-    CLI::Option* const focus =
-        command.add_option("--focus", options.focus, "Instead: one focus at x,y,z (mm), with exact phases")
-            ->excludes(file);
+    CLI::Option* const file = add_source_file(command, source,
+                                              "What is looked at. A manifest alone (.json) has exact phases, an image "
+                                              "those of the board. One of: manifest; ");
+    CLI::Option* const focus = command
+                                   .add_option("--focus", options.focus,
+                                               "One focus at x,y,z (mm) in place of a file; its phases are not rounded")
+                                   ->excludes(file);
     add_array_and_board(command, source);
     command.add_option("--rig", source.rig, "Rig of --focus, instead of an array: several arrays, each in its place")
         ->needs(focus)

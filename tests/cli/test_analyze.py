@@ -42,6 +42,10 @@ def test_a_focus_on_the_axis(centre):
     assert found["warnings"] == [] and point["too_weak"] is False
 
 
+def test_a_map_says_its_level(tmp_path):
+    assert b"nominal level: 4 Pa" in succeed(["analyze", "--array", "tile-10x10", "--step", "50", "-o", "map.csv"], cwd=tmp_path).stderr
+
+
 def test_warnings(centre, small):
     assert "too weak" in analyzed(centre, "--least-force", 1000)["warnings"][0]
     found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=small.folder).stdout)  # 8 points in 2 ms: 10 cycles each

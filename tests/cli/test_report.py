@@ -90,6 +90,12 @@ def test_a_modulation_by_silence(tmp_path):
     assert "Nothing was played for 50 % of the time." in text(succeed(["report", "beat.hex", "--methods"], cwd=tmp_path).stdout)
 
 
+def test_a_page_is_html(ring, tmp_path):
+    for name in ("report.pdf", "report.svg"):
+        refuse(tmp_path, ["report", ring, "-o", name], USAGE)
+        assert not (tmp_path / name).exists()
+
+
 def test_several_foci_at_the_same_time(tmp_path):
     path = path_file(tmp_path, [([(-20, 0, 150, 1.0), (20, 5 * n, 150, 1.0)], 40 + 40 * n) for n in range(3)])
     succeed(["compile", "--path", path, "--array", "tile-10x10", "--records", "-o", "two.hex"], cwd=tmp_path)

@@ -144,6 +144,12 @@ def test_a_handle_that_turns_over_is_told():
     assert asked("simulate", "--duration", 3, "--fault", "broken:4:1", code=RUN_FAILED)["most_turn_deg"] < 18
 
 
+@pytest.mark.parametrize("pattern", ["focus", "ring"])
+def test_what_is_told_is_at_the_pins(pattern):
+    """Its sequences have silence in their middle, which is not their end."""
+    succeed(["robot", "tell", "--pattern", pattern])
+
+
 def test_a_scene_says_what_the_cables_could_not_render():
     found = asked("explore", "cube", "--weight", 60, "--frames", 0, code=RUN_FAILED)
     assert found["most_force_n"] == 60 and found["rendered_n"] == 0 and found["missing_n"] == 60

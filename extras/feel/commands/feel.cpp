@@ -113,7 +113,10 @@ void tell_differences(Report& report, const Feeling& feeling) {
     if (!(best.verdict.over_db > 0.0)) return;
     const double hz = best.felt.lines.front().hz;
     const auto [least, most] = perception::strength_steps(best.verdict.over_db);
-    std::string text = fmt::format("can be told apart: {} to {} strengths down to what is just felt", least, most);
+    std::string text = fmt::format(
+        "can be told apart: {} to {} strengths from the least felt to this one, by people whose vibrations were 20 "
+        "to 35 dB over it",
+        least, most);
     if (const auto next = perception::next_frequency_hz(hz))
         text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz or more", hz, next->at(0), next->at(1));
     report.tell(text + fmt::format("; a place to within {:g} mm", perception::place_error_m / millimetre));
@@ -121,8 +124,8 @@ void tell_differences(Report& report, const Feeling& feeling) {
 
 void report_places(Report& report, const Feeling& feeling) {
     report.tell(fmt::format("{:>5} {:>22} {:>5} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>12} {:>8} {:>8} {:>9}",
-                            "place", "skin / mm", "cos2", "P / Pa", "most", "F / mN", "depth", "line/Hz", "F / mN",
-                            "least", "threshold by", "over/dB", "", "magnitude"));
+                            "place", "skin / mm", "cos2", "mean/Pa", "most/Pa", "mean/mN", "depth", "line/Hz",
+                            "line/mN", "least", "threshold by", "over/dB", "", "magnitude"));
     ordered_json places = ordered_json::array();
     for (const FeltPlace& place : feeling.places) {
         places.push_back(to_json(place));
@@ -257,8 +260,7 @@ int feel(const FeelCommand& command) {
 
 void add_feel(CLI::App& app, Action& action) {
     auto options = std::make_shared<FeelCommand>();
-    CLI::App* sub =
-        app.add_subcommand("feel", "What a hand is expected to feel, and an ear to hear, of what plays: models");
+    CLI::App* sub = app.add_subcommand("feel", "Predict what a hand feels, and an ear hears, of what plays");
     add_source(*sub, options->what);
     sub->add_option("--at", options->at,
                     "A place on the skin: x,y,z mm; may be given several times; by default the foci")
@@ -267,9 +269,10 @@ void add_feel(CLI::App& app, Action& action) {
     sub->add_option("--places", options->places, "How many of the foci, evenly chosen")
         ->check(whole(1, 65535))
         ->capture_default_str();
-    auto* normal = sub->add_option("--normal", options->normal,
-                                   "Out of the skin, of any length: x,y,z; by default towards the array")
-                       ->capture_default_str();
+    auto* normal =
+        sub->add_option("--normal", options->normal,
+                        "Direction that points out of the skin: x,y,z, of any length; by default towards the array")
+            ->capture_default_str();
     auto* hand = sub->add_option("--hand", options->hand,
                                  "A hand, as render takes it: each place is the nearest one on its skin, with the "
                                  "normal and the region there")
@@ -280,7 +283,7 @@ void add_feel(CLI::App& app, Action& action) {
         ->capture_default_str();
     sub->add_option("--hand-model", options->hand_model, "Bones of a .pose file (default: model_hand.json beside it)")
         ->needs(hand);
-    sub->add_option("--contact", options->contact_mm, "Diameter of the skin whose force is compared, mm")
+    sub->add_option("--contact", options->contact_mm, "Diameter of the disc of skin over which the force is summed, mm")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--ear", options->ears, "Where a listener's ear is: x,y,z mm; may be given several times")
@@ -291,7 +294,7 @@ void add_feel(CLI::App& app, Action& action) {
         ->check(CLI::IsMember({"palm", "finger"}))
         ->excludes(hand)
         ->capture_default_str();
-    sub->add_option("--grip", options->grip_n, "Force that the hand holds at the same time, N; 1 N for a bare hand")
+    sub->add_option("--grip", options->grip_n, "Grip force of the hand, N; 1 N for a bare hand")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--tables", options->tables, "Shipped perception file, or a file")->capture_default_str();

@@ -133,7 +133,7 @@ void add_magnitude(CLI::App& app, Action& action) {
     sub->add_option("--region", options->region, "palm or finger; magnitudes are known for the palm only")
         ->check(CLI::IsMember({"palm", "finger"}))
         ->capture_default_str();
-    sub->add_option("--grip", options->grip_n, "Force that the hand holds at the same time, N; 1 N for a bare hand")
+    sub->add_option("--grip", options->grip_n, "Grip force of the hand, N; 1 N for a bare hand")
         ->check(positive())
         ->capture_default_str();
     std::vector<std::string> waveforms;

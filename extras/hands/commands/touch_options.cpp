@@ -36,7 +36,7 @@ void add_touch_options(CLI::App& sub, TouchArguments& arguments) {
         ->check(CLI::IsMember({"gap", "finger"}))
         ->capture_default_str();
     sub.add_option_function<double>(
-           "--gap", [&touch](double mm) { touch.gap_m = mm * millimetre; }, "That gap, mm")
+           "--gap", [&touch](double mm) { touch.gap_m = mm * millimetre; }, "Gap of the rule, mm")
         ->check(not_negative())
         ->default_str(fmt::format("{:g}", touch.gap_m / millimetre));
     sub.add_option("--solid-level", touch.solid_level,

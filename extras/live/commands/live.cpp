@@ -250,8 +250,8 @@ void tell_setting(Report& report, const LiveCommand& command, const live::LoopRe
     if (command.fingers.magnitude) {
         report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
                                 *command.fingers.magnitude, done.without_magnitude));
-        report.add("level", level_json(transducer), "                  " + level_text(transducer));
     }
+    report.add("level", level_json(transducer), "level             " + level_text(transducer));
 }
 
 /// What came in and made no sense, and what went out and found no room.
@@ -407,10 +407,11 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--mass", options->mass_g, "g; 0: it stays where it is. Cube, sphere or cylinder, on a floor")
         ->check(not_negative())
         ->capture_default_str();
-    sub->add_option("--port", options->ports.ports,
-                    "Serial port of the board, or of 'haptogram board run', or as play has it; or "
-                    "reference:CONFIGURATION: the reference board in this process, whose time the loop then keeps. "
-                    "Given again, once for each array of --rig");
+    sub->add_option(
+        "--port", options->ports.ports,
+        "Port of the board, as of play, or of 'haptogram board run'; or reference:CONFIGURATION, a simulated board "
+        "in this process, whose time the loop then keeps. "
+        "Given again, once for each array of --rig");
     add_baud_option(*sub, options->ports.baud);
     auto* array = sub->add_option("--array", options->array, "Array file or shipped array")->capture_default_str();
     sub->add_option(

@@ -245,9 +245,7 @@ void add_robot_explore(CLI::App& robot, Action& action) {
     add_number(*sub, "--magnitude", scene.magnitude, "Perceived magnitude of each focus");
     add_number(*sub, "--frequency", scene.frequency_hz, "Frequency of the square wave that modulates them, Hz");
     sub->add_option("--tilt", scene.tilt_deg, "Tilt of the hand, fingers down, degrees")->capture_default_str();
-    sub->add_option("--weight", scene.weight_n, "That the hand carries, N")
-        ->check(not_negative())
-        ->capture_default_str();
+    sub->add_option("--weight", scene.weight_n, "Weight in the hand, N")->check(not_negative())->capture_default_str();
     add_number(*sub, "--surface", command->surface_mm, "Height of the surface above the array, mm");
     add_number(*sub, "--stiffness", scene.surface.stiffness_n_m, "Stiffness of the surface, N/m");
     sub->add_option("--friction", scene.surface.friction, "Tangential over normal force, while it slides")
@@ -275,7 +273,7 @@ void add_robot_tell(CLI::App& robot, Action& action) {
                     "which are told below the height")
         ->check(CLI::IsMember({"distance", "texture", "hardness"}))
         ->capture_default_str();
-    sub->add_option("--sign", command->sign, "What of the pattern tells it")
+    sub->add_option("--sign", command->sign, "Property of the pattern that tells the value")
         ->check(CLI::IsMember({"intensity", "frequency", "translation", "rotation", "scaling"}))
         ->capture_default_str();
     sub->add_option("--pattern", command->shape, "On the palm")
@@ -292,16 +290,14 @@ void add_robot_tell(CLI::App& robot, Action& action) {
     add_number(*sub, "--magnitude", scene.pattern.magnitude, "Perceived magnitude, unless it is the sign");
     add_number(*sub, "--frequency", scene.pattern.frequency_hz,
                "Frequency of the modulation, Hz, unless it is the sign");
-    sub->add_option("--weight", scene.weight_n, "That the hand carries, N")
-        ->check(not_negative())
-        ->capture_default_str();
+    sub->add_option("--weight", scene.weight_n, "Weight in the hand, N")->check(not_negative())->capture_default_str();
     add_number(*sub, "--height", command->height_mm, "Above the array, mm: what is near, or the surface");
     add_number(*sub, "--range", command->range_mm,
                "Range of the distance, mm: farther away the pattern does not change");
     add_number(*sub, "--cell", command->cell_mm, "Mesh of the cloth: from thread to thread, mm");
-    add_number(*sub, "--stiffness", scene.stiffness_n_m, "That is told as hardness, N/m");
-    add_number(*sub, "--softest", scene.softest_n_m, "That the value 0 is, N/m");
-    add_number(*sub, "--hardest", scene.hardest_n_m, "That the value 1 is, N/m");
+    add_number(*sub, "--stiffness", scene.stiffness_n_m, "Stiffness that is told as hardness, N/m");
+    add_number(*sub, "--softest", scene.softest_n_m, "Stiffness told as the value 0, N/m");
+    add_number(*sub, "--hardest", scene.hardest_n_m, "Stiffness told as the value 1, N/m");
     add_common(*sub, *command);
     sub->callback([command, &action] { action = [command] { return tell_value(*command); }; });
 }

@@ -144,7 +144,7 @@ void add_scatter(CLI::App& app, Action& action) {
         ->capture_default_str();
     auto* json = sub->add_flag("--json", options->json, "The report as JSON on standard output");
     sub->add_flag("--flat", options->source.flat_estimate,
-                  "Also the estimate of haptogram feel, which takes each place for large flat skin")
+                  "Also the estimate of haptogram feel, which takes the skin for flat and large")
         ->needs(json);
     sub->add_option("-o,--output", options->output,
                     "Values of each triangle: .csv, .vtp (ParaView) or .png; - is CSV on standard output");

@@ -55,8 +55,8 @@ Shape load(const ShapeSource& source, const ShapeFile& file, const ShapeReaders&
 /// Below this a shape is a speck, much smaller than a focus, and more likely in another unit.
 constexpr double speck_m = 5e-3;
 
-/// Says so of a file's shape, and in which units it would be no speck.
-void warn_of_speck(const Shape& shape, const std::string& name, std::vector<std::string>& warnings) {
+/// Says so of a shape, and, of a file in a unit that may be another, in which units it would be no speck.
+void warn_of_speck(const Shape& shape, const std::string& name, bool in_a_unit, std::vector<std::string>& warnings) {
     const Box box = bounding_box(shape);
     const Vec3 extent = box.high - box.low;
     const double wide_m = std::max({extent.x, extent.y, extent.z});
@@ -64,7 +64,7 @@ void warn_of_speck(const Shape& shape, const std::string& name, std::vector<std:
     std::string units;
     for (const std::string unit : {"cm", "inch", "m"})
         if (const double in_m = wide_m / millimetre * metres_per_unit(unit);
-            !shape.has_own_unit && in_m >= speck_m && in_m <= 1.0)
+            in_a_unit && in_m >= speck_m && in_m <= 1.0)
             units += (units.empty() ? "is it --unit " : " or --unit ") + unit;
     warnings.push_back(fmt::format(
         "{}: it is {:.3g} mm wide{}", name, wide_m / millimetre,
@@ -81,6 +81,8 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
         Shape part;
         if (source.file.empty() && !source.content) {
             part = make_primitive(source.primitive);
+            if (source.placement.size_m.value_or(project.placement.size_m.value_or(0.0)) == 0.0)
+                warn_of_speck(part, source.primitive.kind, false, warnings);
         } else {
             const bool here = source.content || source.file == "-";
             const std::string name = here ? source.file : (project.folder / source.file).string();
@@ -90,7 +92,7 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
             if (!part.beside.empty()) hashes += sha256(part.beside);
             const bool scaled = source.placement.size_m || source.placement.scale != 1.0 || project.placement.size_m ||
                                 project.placement.scale != 1.0;
-            if (source.unit == "mm" && !scaled) warn_of_speck(part, name, warnings);
+            if (source.unit == "mm" && !scaled) warn_of_speck(part, name, !part.has_own_unit, warnings);
         }
         if (source.placement != Placement{}) part = placed_at(part, source.placement);
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
@@ -740,7 +742,7 @@ double metres_per_unit(const std::string& unit) {
     if (unit == "mm") return millimetre;
     if (unit == "cm") return 0.01;
     if (unit == "m") return 1.0;
-    if (unit == "inch") return 0.0254;
+    if (unit == "inch" || unit == "in") return 0.0254;
     throw bad_argument("unit", fmt::format("must be mm, cm, m or inch, found '{}'", unit));
 }
 

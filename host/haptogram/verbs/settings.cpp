@@ -183,7 +183,7 @@ constexpr Setting of_projects[] = {
                         "as tile-100; by default what the array's file says under [board]"),
     of<&Project::path>("path", "--path", File{},
                        "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm "
-                       "and intensity, or an .adaptics pattern, sampled --points times"),
+                       "and intensity, or an .adaptics pattern, of which --points samples are taken"),
     with(of<&Project::set>("set", "--set",
                            Form{[](std::string_view text) { return parameters_of(text).has_value(); }, parameters_form,
                                 parameters_pattern},
@@ -210,9 +210,10 @@ constexpr Setting of_projects[] = {
     with(of<&Project::jump>("jump", "--jump", Choices(jumps),
                             "Between curves: hop, in no time, or blank, silence for as long as the way takes"),
          for_drawn),
-    with(of<&Project::even>("even", "--even", Flag{},
-                            "Choose dwells that make all points feel alike, instead of equal dwells; each point keeps "
-                            "at least a third of an equal dwell"),
+    with(of<&Project::even>(
+             "even", "--even", Flag{},
+             "Let weak points last longer, so that all points feel alike; each point keeps at least a third "
+             "of an equal dwell"),
          for_shapes),
     of<&Project::am>("am", "--am", FileOrName{},
                      "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, sawtooth:HZ, "
@@ -246,7 +247,7 @@ constexpr Setting of_projects[] = {
     table("trigger"),
 };
 
-constexpr std::string_view units[] = {"mm", "cm", "m", "inch"};
+constexpr std::string_view units[] = {"mm", "cm", "m", "inch", "in"};
 constexpr std::string_view axes[] = {"y", "z"};
 constexpr std::string_view eases[] = {"linear", "smooth", "step"};
 constexpr std::string_view algorithms[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I", "J", "K", "L"};
