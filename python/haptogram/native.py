@@ -15,6 +15,9 @@ class Project(Structure):
         ("shape_name", c_char_p),
         ("shape", c_void_p),
         ("shape_bytes", c_size_t),
+        ("name", c_char_p),
+        ("file", c_char_p),
+        ("cancel", POINTER(c_int32)),
     ]
 
 
@@ -39,6 +42,83 @@ class Path(Structure):
         ("loops", c_uint16),
         ("board_computes", c_int32),
         ("marks", POINTER(c_uint8)),
+    ]
+
+
+class ArraySource(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("name", c_char_p),
+        ("like", c_void_p),
+        ("transducer", c_char_p),
+        ("positions_m", POINTER(c_double)),
+        ("normals", POINTER(c_double)),
+        ("elements", c_size_t),
+        ("seen_from", POINTER(c_double)),
+    ]
+
+
+class PosedArray(Structure):
+    _fields_ = [
+        ("array", c_void_p),
+        ("pose", POINTER(c_double)),
+    ]
+
+
+class Source(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("file", c_char_p),
+        ("manifest", c_char_p),
+        ("pulses", c_char_p),
+        ("image", c_void_p),
+        ("array", c_void_p),
+        ("focus_m", POINTER(c_double)),
+        ("record", c_uint32),
+        ("cancel", POINTER(c_int32)),
+    ]
+
+
+class Field(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("quantity", c_char_p),
+        ("array", c_void_p),
+        ("drives", POINTER(c_double)),
+        ("sets", c_size_t),
+        ("elements", c_size_t),
+        ("weights", POINTER(c_double)),
+        ("points_m", POINTER(c_double)),
+        ("points", c_size_t),
+        ("x_m", POINTER(c_double)),
+        ("y_m", POINTER(c_double)),
+        ("z_m", POINTER(c_double)),
+        ("x_count", c_size_t),
+        ("y_count", c_size_t),
+        ("z_count", c_size_t),
+        ("region", c_char_p),
+        ("region_name", c_char_p),
+        ("extent_m", c_double),
+        ("step_m", c_double),
+        ("interpolation_error", c_double),
+        ("pattern_error", c_double),
+        ("threads", c_uint32),
+        ("cancel", POINTER(c_int32)),
+    ]
+
+
+class Foci(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("array", c_void_p),
+        ("foci", POINTER(Focus)),
+        ("count", c_size_t),
+        ("method", c_char_p),
+        ("level", c_char_p),
+        ("vary_amplitudes", c_int32),
+        ("rounds", c_int32),
+        ("drives", POINTER(c_double)),
+        ("elements", c_size_t),
     ]
 
 
@@ -148,6 +228,24 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "haptogram_free_image": (None, [c_void_p]),
     "haptogram_pressure": (c_int, [c_void_p, c_uint32, POINTER(c_double), c_size_t, POINTER(c_double)]),
     "haptogram_solve": (c_int, [c_char_p, POINTER(Focus), c_size_t, c_char_p, POINTER(c_double), POINTER(c_size_t)]),
+    "haptogram_result_json": (c_size_t, [c_void_p, c_void_p, c_size_t]),
+    "haptogram_result_numbers": (c_void_p, [c_void_p]),
+    "haptogram_free_result": (None, [c_void_p]),
+    "haptogram_array_names": (c_size_t, [c_void_p, c_size_t]),
+    "haptogram_make_array": (c_int, [POINTER(ArraySource), POINTER(c_void_p)]),
+    "haptogram_join": (c_int, [POINTER(PosedArray), c_size_t, c_char_p, POINTER(c_void_p)]),
+    "haptogram_array_json": (c_size_t, [c_void_p, c_void_p, c_size_t]),
+    "haptogram_array_elements": (c_void_p, [c_void_p]),
+    "haptogram_unreachable": (c_size_t, [c_void_p, POINTER(c_double), c_void_p, c_size_t]),
+    "haptogram_free_array": (None, [c_void_p]),
+    "haptogram_image_foci": (c_size_t, [c_void_p, POINTER(c_double), c_size_t]),
+    "haptogram_drives": (c_int, [POINTER(Source), POINTER(c_void_p), POINTER(c_void_p)]),
+    "haptogram_analyze": (c_int, [POINTER(Source), c_double, POINTER(c_void_p)]),
+    "haptogram_analyze_focus": (c_int, [c_void_p, POINTER(c_double), c_size_t, POINTER(c_double), c_char_p, POINTER(c_void_p)]),
+    "haptogram_compute_field": (c_int, [POINTER(Field), POINTER(c_void_p)]),
+    "haptogram_field_file": (c_int, [c_void_p, c_char_p, POINTER(c_void_p)]),
+    "haptogram_solve_foci": (c_int, [POINTER(Foci), POINTER(c_void_p)]),
+    "haptogram_quality": (c_int, [POINTER(Foci), POINTER(c_void_p)]),
     "haptogram_open": (c_int, [POINTER(Port), POINTER(c_void_p)]),
     "haptogram_close": (None, [c_void_p]),
     "haptogram_identify": (c_int, [c_void_p, POINTER(Identity)]),

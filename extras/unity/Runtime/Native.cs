@@ -34,6 +34,9 @@ namespace Haptogram
         public IntPtr shape_name;
         public IntPtr shape;
         public UIntPtr shape_bytes;
+        public IntPtr name;
+        public IntPtr file;
+        public IntPtr cancel;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -58,6 +61,83 @@ namespace Haptogram
         public ushort loops;
         public int board_computes;
         public IntPtr marks;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeArraySource
+    {
+        public uint size;
+        public IntPtr name;
+        public IntPtr like;
+        public IntPtr transducer;
+        public IntPtr positions_m;
+        public IntPtr normals;
+        public UIntPtr elements;
+        public IntPtr seen_from;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativePosedArray
+    {
+        public IntPtr array;
+        public IntPtr pose;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeSource
+    {
+        public uint size;
+        public IntPtr file;
+        public IntPtr manifest;
+        public IntPtr pulses;
+        public IntPtr image;
+        public IntPtr array;
+        public IntPtr focus_m;
+        public uint record;
+        public IntPtr cancel;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeField
+    {
+        public uint size;
+        public IntPtr quantity;
+        public IntPtr array;
+        public IntPtr drives;
+        public UIntPtr sets;
+        public UIntPtr elements;
+        public IntPtr weights;
+        public IntPtr points_m;
+        public UIntPtr points;
+        public IntPtr x_m;
+        public IntPtr y_m;
+        public IntPtr z_m;
+        public UIntPtr x_count;
+        public UIntPtr y_count;
+        public UIntPtr z_count;
+        public IntPtr region;
+        public IntPtr region_name;
+        public double extent_m;
+        public double step_m;
+        public double interpolation_error;
+        public double pattern_error;
+        public uint threads;
+        public IntPtr cancel;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeFoci
+    {
+        public uint size;
+        public IntPtr array;
+        public IntPtr foci;
+        public UIntPtr count;
+        public IntPtr method;
+        public IntPtr level;
+        public int vary_amplitudes;
+        public int rounds;
+        public IntPtr drives;
+        public UIntPtr elements;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -202,6 +282,60 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_solve(IntPtr array, IntPtr foci, UIntPtr count, IntPtr method, IntPtr drives, ref UIntPtr elements);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern UIntPtr haptogram_result_json(IntPtr result, IntPtr to, UIntPtr room);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern IntPtr haptogram_result_numbers(IntPtr result);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void haptogram_free_result(IntPtr result);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern UIntPtr haptogram_array_names(IntPtr to, UIntPtr room);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_make_array(ref NativeArraySource source, out IntPtr array);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_join(IntPtr arrays, UIntPtr count, IntPtr name, out IntPtr joined);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern UIntPtr haptogram_array_json(IntPtr array, IntPtr to, UIntPtr room);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern IntPtr haptogram_array_elements(IntPtr array);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern UIntPtr haptogram_unreachable(IntPtr array, ref double focus_m, IntPtr to, UIntPtr room);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void haptogram_free_array(IntPtr array);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern UIntPtr haptogram_image_foci(Image image, IntPtr to_m, UIntPtr room);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_drives(ref NativeSource source, out IntPtr array, out IntPtr drives);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_analyze(ref NativeSource source, double least_force_n, out IntPtr analysis);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_analyze_focus(IntPtr array, ref double drives, UIntPtr elements, ref double focus_m, IntPtr core, out IntPtr analysis);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_compute_field(ref NativeField field, out IntPtr values);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_field_file(IntPtr field, IntPtr format, out IntPtr bytes);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_solve_foci(ref NativeFoci foci, out IntPtr drives);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_quality(ref NativeFoci foci, out IntPtr quality);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_open(ref NativePort port, out IntPtr board);
