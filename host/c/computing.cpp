@@ -245,10 +245,8 @@ private:
             if (count != 2) throw bad_argument(name, fmt::format("expected from and to, found {} numbers", count));
             return {{both[0], both[1]}};
         };
-        const Reach reach{asked_.extent_m != 0.0 ? asked_.extent_m : Reach{}.extent_m,
-                          asked_.step_m != 0.0 ? asked_.step_m : Reach{}.step_m,
-                          range(asked_.x_m, asked_.x_count, "x_m"), range(asked_.y_m, asked_.y_count, "y_m"),
-                          range(asked_.z_m, asked_.z_count, "z_m")};
+        const Reach reach{asked_.extent_m, asked_.step_m, range(asked_.x_m, asked_.x_count, "x_m"),
+                          range(asked_.y_m, asked_.y_count, "y_m"), range(asked_.z_m, asked_.z_count, "z_m")};
         const Region region =
             parse_region(asked_.region_name != nullptr ? asked_.region_name : "region", asked_.region, reach);
         const Quantity wanted = quantity_of(quantity_);

@@ -192,8 +192,8 @@ typedef struct haptogram_field {
     size_t z_count;
     const char* region; /* "xy@z=130" and the others of the program, millimetres and degrees */
     const char* region_name; /* "line", "plane" or "volume", for messages; default: "region" */
-    double extent_m;         /* of a region; default: 0.08 */
-    double step_m;           /* between its points; default: 0.001 */
+    double extent_m;         /* of a region; needed there */
+    double step_m;           /* between its points; needed there */
     double interpolation_error; /* on axes: how far |p| may be off, of the largest that the drives could make; default: nothing is interpolated */
     double pattern_error; /* how far a polynomial may be off a measured pattern, of the amplitude on the axis; default: none is taken */
     uint32_t threads;     /* default: one for each processor */
