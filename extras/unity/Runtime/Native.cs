@@ -64,83 +64,6 @@ namespace Haptogram
     }
 
     [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeArraySource
-    {
-        public uint size;
-        public IntPtr name;
-        public IntPtr like;
-        public IntPtr transducer;
-        public IntPtr positions_m;
-        public IntPtr normals;
-        public UIntPtr elements;
-        public IntPtr seen_from;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativePosedArray
-    {
-        public IntPtr array;
-        public IntPtr pose;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeSource
-    {
-        public uint size;
-        public IntPtr file;
-        public IntPtr manifest;
-        public IntPtr pulses;
-        public IntPtr image;
-        public IntPtr array;
-        public IntPtr focus_m;
-        public uint record;
-        public IntPtr cancel;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeField
-    {
-        public uint size;
-        public IntPtr quantity;
-        public IntPtr array;
-        public IntPtr drives;
-        public UIntPtr sets;
-        public UIntPtr elements;
-        public IntPtr weights;
-        public IntPtr points_m;
-        public UIntPtr points;
-        public IntPtr x_m;
-        public IntPtr y_m;
-        public IntPtr z_m;
-        public UIntPtr x_count;
-        public UIntPtr y_count;
-        public UIntPtr z_count;
-        public IntPtr region;
-        public IntPtr region_name;
-        public double extent_m;
-        public double step_m;
-        public double interpolation_error;
-        public double pattern_error;
-        public uint threads;
-        public IntPtr cancel;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeFoci
-    {
-        public uint size;
-        public IntPtr array;
-        public IntPtr foci;
-        public UIntPtr count;
-        public IntPtr method;
-        public IntPtr level;
-        public int vary_amplitudes;
-        public int rounds;
-        public IntPtr drives;
-        public UIntPtr elements;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
     internal struct NativePort
     {
         public uint size;
@@ -208,25 +131,6 @@ namespace Haptogram
         public double settle_s;
     }
 
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeTriggerTimes
-    {
-        public uint size;
-        public uint out_count;
-        public uint in_count;
-        public ulong now_clock;
-        public ulong out_clock;
-        public ulong in_clock;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeLinkState
-    {
-        public uint size;
-        public uint found_baud;
-        public ulong retransmissions;
-    }
-
     internal static class Native
     {
         internal const int Abi = 1;
@@ -242,16 +146,10 @@ namespace Haptogram
         internal static extern IntPtr haptogram_error();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern IntPtr haptogram_error_place();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern IntPtr haptogram_remedies();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_compile(ref NativeProject project, out IntPtr image);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_compile_rig(ref NativeProject project, IntPtr rig, IntPtr manifest_file);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_compile_path(ref NativePath path, out IntPtr image);
@@ -282,60 +180,6 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_solve(IntPtr array, IntPtr foci, UIntPtr count, IntPtr method, IntPtr drives, ref UIntPtr elements);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_result_json(IntPtr result, IntPtr to, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern IntPtr haptogram_result_numbers(IntPtr result);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern void haptogram_free_result(IntPtr result);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_array_names(IntPtr to, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_make_array(ref NativeArraySource source, out IntPtr array);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_join(IntPtr arrays, UIntPtr count, IntPtr name, out IntPtr joined);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_array_json(IntPtr array, IntPtr to, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern IntPtr haptogram_array_elements(IntPtr array);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_unreachable(IntPtr array, ref double focus_m, IntPtr to, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern void haptogram_free_array(IntPtr array);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_image_foci(Image image, IntPtr to_m, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_drives(ref NativeSource source, out IntPtr array, out IntPtr drives);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_analyze(ref NativeSource source, double least_force_n, out IntPtr analysis);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_analyze_focus(IntPtr array, ref double drives, UIntPtr elements, ref double focus_m, IntPtr core, out IntPtr analysis);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_compute_field(ref NativeField field, out IntPtr values);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_field_file(IntPtr field, IntPtr format, out IntPtr bytes);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_solve_foci(ref NativeFoci foci, out IntPtr drives);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_quality(ref NativeFoci foci, out IntPtr quality);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_open(ref NativePort port, out IntPtr board);
@@ -384,44 +228,5 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_set_trigger(Board board, ref NativeTrigger trigger);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_get_trigger_times(Board board, ref NativeTriggerTimes times);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_open_link(ref NativePort port, out IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern void haptogram_close_link(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_identify(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_ask(IntPtr link, IntPtr requests, UIntPtr bytes, ulong gate);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_shut_off(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_wait(IntPtr link, uint milliseconds, ref int busy);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_interrupt(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_link_replies(IntPtr link, IntPtr to, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_stream(IntPtr link, ulong period, ref ushort words, UIntPtr patterns);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_keep_alive(IntPtr link, uint milliseconds);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_get_link_state(IntPtr link, ref NativeLinkState state);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_ports(IntPtr to, UIntPtr room);
     }
 }
