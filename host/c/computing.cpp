@@ -22,6 +22,7 @@
 #include "inside.hpp"
 
 using namespace haptogram::c;
+using haptogram::bad_argument;
 
 struct haptogram_array {
     haptogram::Array array;
@@ -44,23 +45,13 @@ using Complex = std::complex<double>;
 /// Names of files may be no UTF-8.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-template <class T>
-constexpr const char* type_of = nullptr;
-template <>
-constexpr const char* type_of<float> = "float32";
-template <>
-constexpr const char* type_of<std::complex<float>> = "complex64";
-template <>
-constexpr const char* type_of<Complex> = "complex128";
-template <>
-constexpr const char* type_of<char> = "uint8";
-
-/// Numbers, which the result keeps where they are.
-template <class T, class Kept>
-haptogram_result* result_of(Kept&& values, const std::vector<std::size_t>& shape, Json about = Json::object()) {
-    const auto kept = std::make_shared<const std::remove_cvref_t<Kept>>(std::forward<Kept>(values));
-    about["type"] = type_of<T>;
-    about["shape"] = shape;
+/// Numbers, which the result keeps where they are. @param shape  without one they are a row
+template <class Numbers>
+haptogram_result* result_of(const char* type, Numbers numbers, std::vector<std::size_t> shape = {},
+                            Json about = Json::object()) {
+    about["type"] = type;
+    about["shape"] = shape.empty() ? std::vector{numbers.size()} : std::move(shape);
+    const auto kept = std::make_shared<const Numbers>(std::move(numbers));
     return new haptogram_result{text_of(about), kept->data(), kept};
 }
 
@@ -87,11 +78,6 @@ Pose posed(const double* pose) {
 
 std::span<const Complex> drives_of(const double* numbers, std::size_t count) {
     return {reinterpret_cast<const Complex*>(&required(numbers, "drives")), count};
-}
-
-std::vector<double> axis_of(const double* numbers, std::size_t count, const char* name) {
-    const double* const first = &required(numbers, name);
-    return {first, first + count};
 }
 
 /// @throws Error{bad_argument} naming `setting` and the focus that is out of the array's reach, or so far away that its
@@ -171,120 +157,97 @@ Json to_json(const ImageAnalysis& analysis) {
     return all;
 }
 
-/// What is asked of a field, as the libraries take it.
-class AskedField {
-public:
-    explicit AskedField(const haptogram_field& asked)
-        : asked_(asked), array_(given(asked.array)), quantity_(required_text(asked.quantity, "quantity")) {
-        options_.threads = asked.threads;
-        options_.progress = until(asked.cancel);
-        options_.interpolation_error = asked.interpolation_error;
-        options_.pattern_error = asked.pattern_error;
-    }
+FieldOptions options_of(const haptogram_field& asked) {
+    return {asked.threads, until(asked.cancel), asked.interpolation_error, asked.pattern_error};
+}
 
-    [[nodiscard]] haptogram_result* compute() const {
-        if (asked_.region != nullptr) return in_region();
-        return asked_.points_m != nullptr ? at_points() : on_axes();
-    }
+std::vector<WeightedDrives> sequence_of(const haptogram_field& asked) {
+    const std::span<const Complex> all = drives_of(asked.drives, asked.sets * asked.elements);
+    std::vector<WeightedDrives> sequence;
+    for (std::size_t r = 0; r < asked.sets; ++r)
+        sequence.push_back(
+            {asked.weights != nullptr ? asked.weights[r] : 1.0, all.subspan(r * asked.elements, asked.elements)});
+    return sequence;
+}
 
-private:
-    [[nodiscard]] std::span<const Complex> drives() const {
-        return drives_of(asked_.drives, asked_.sets * asked_.elements);
-    }
-    [[nodiscard]] std::span<const Complex> one_set() const {
-        if (asked_.sets != 1) throw bad_argument("drives", fmt::format("expected one set, found {}", asked_.sets));
-        return drives();
-    }
-    [[nodiscard]] std::vector<WeightedDrives> sequence() const {
-        std::vector<WeightedDrives> sequence;
-        for (std::size_t r = 0; r < asked_.sets; ++r)
-            sequence.push_back({asked_.weights != nullptr ? asked_.weights[r] : 1.0,
-                                drives().subspan(r * asked_.elements, asked_.elements)});
-        return sequence;
-    }
-    [[nodiscard]] Error unknown(const char* expected) const {
-        return bad_argument("quantity", fmt::format("expected {}, found '{}'", expected, quantity_));
-    }
+Drives one_set(const haptogram_field& asked) {
+    if (asked.sets != 1) throw bad_argument("drives", fmt::format("expected one set, found {}", asked.sets));
+    return drives_of(asked.drives, asked.elements);
+}
 
-    [[nodiscard]] haptogram_result* at_points() const {
-        static_assert(sizeof(PressureGradient) == 3 * sizeof(std::complex<float>));
-        const auto points = points_of(asked_.points_m, asked_.points, "points_m");
-        if (quantity_ == "complex")
-            return result_of<std::complex<float>>(pressure_at(array_, one_set(), points, options_), {points.size()});
-        if (quantity_ == "gradient")
-            return result_of<std::complex<float>>(pressure_gradient_at(array_, one_set(), points, options_),
-                                                  {points.size(), 3});
-        if (quantity_ == "mean_square")
-            return result_of<float>(mean_square_pressure_at(array_, sequence(), points, options_), {points.size()});
-        throw unknown("complex, gradient or mean_square");
+haptogram_result* at_points(const Array& array, const std::string& quantity, const haptogram_field& asked) {
+    static_assert(sizeof(PressureGradient) == 3 * sizeof(std::complex<float>));
+    const auto points = points_of(asked.points_m, asked.points, "points_m");
+    const FieldOptions options = options_of(asked);
+    if (quantity == "complex") return result_of("complex64", pressure_at(array, one_set(asked), points, options));
+    if (quantity == "gradient")
+        return result_of("complex64", pressure_gradient_at(array, one_set(asked), points, options), {points.size(), 3});
+    if (quantity == "mean_square")
+        return result_of("float32", mean_square_pressure_at(array, sequence_of(asked), points, options));
+    throw bad_argument("quantity", fmt::format("expected complex, gradient or mean_square, found '{}'", quantity));
+}
+
+/// z × y × x.
+std::vector<std::size_t> shape_of(const Grid& grid) { return {grid.z.size(), grid.y.size(), grid.x.size()}; }
+
+haptogram_result* on_axes(const Array& array, const std::string& quantity, const haptogram_field& asked) {
+    const auto axis = [](const double* numbers, std::size_t count, const char* name) {
+        const double* const first = &required(numbers, name);
+        return std::vector<double>(first, first + count);
+    };
+    const Grid grid{axis(asked.x_m, asked.x_count, "x_m"), axis(asked.y_m, asked.y_count, "y_m"),
+                    axis(asked.z_m, asked.z_count, "z_m")};
+    if (quantity == "workspace") return result_of("float32", workspace(array, grid), shape_of(grid));
+    if (quantity == "complex") {
+        PressureField found = pressure_field(array, one_set(asked), grid, options_of(asked));
+        return result_of(
+            "complex64", std::move(found.values), shape_of(grid),
+            {{"method", name_of(found.method)}, {"error", found.error}, {"pattern_error", found.pattern_error}});
     }
-
-    [[nodiscard]] haptogram_result* on_axes() const {
-        const Grid grid{axis_of(asked_.x_m, asked_.x_count, "x_m"), axis_of(asked_.y_m, asked_.y_count, "y_m"),
-                        axis_of(asked_.z_m, asked_.z_count, "z_m")};
-        const std::vector<std::size_t> shape = shape_of(grid);
-        if (quantity_ == "complex") {
-            PressureField found = pressure_field(array_, one_set(), grid, options_);
-            return result_of<std::complex<float>>(
-                std::move(found.values), shape,
-                {{"method", name_of(found.method)}, {"error", found.error}, {"pattern_error", found.pattern_error}});
-        }
-        if (quantity_ == "mean_square") {
-            MeanSquareField found = mean_square_field(array_, sequence(), grid, options_);
-            return result_of<float>(std::move(found.values), shape,
-                                    {{"method", name_of(found.method)}, {"error", found.error}});
-        }
-        if (quantity_ == "workspace") return result_of<float>(workspace(array_, grid), shape);
-        throw unknown("complex, mean_square or workspace");
+    if (quantity == "mean_square") {
+        MeanSquareField found = mean_square_field(array, sequence_of(asked), grid, options_of(asked));
+        return result_of("float32", std::move(found.values), shape_of(grid),
+                         {{"method", name_of(found.method)}, {"error", found.error}});
     }
+    throw bad_argument("quantity", fmt::format("expected complex, mean_square or workspace, found '{}'", quantity));
+}
 
-    [[nodiscard]] haptogram_result* in_region() const {
-        const auto range = [](const double* both, std::size_t count,
-                              const char* name) -> std::optional<std::pair<double, double>> {
-            if (both == nullptr) return {};
-            if (count != 2) throw bad_argument(name, fmt::format("expected from and to, found {} numbers", count));
-            return {{both[0], both[1]}};
-        };
-        const Reach reach{asked_.extent_m, asked_.step_m, range(asked_.x_m, asked_.x_count, "x_m"),
-                          range(asked_.y_m, asked_.y_count, "y_m"), range(asked_.z_m, asked_.z_count, "z_m")};
-        const Region region =
-            parse_region(asked_.region_name != nullptr ? asked_.region_name : "region", asked_.region, reach);
-        const Quantity wanted = quantity_of(quantity_);
-        Excitation played{array_, {}, {}, {}, "given drives"};
-        for (const WeightedDrives& set : sequence()) {
-            played.drives.emplace_back(set.drives.begin(), set.drives.end());
-            played.weights.push_back(set.weight);
-        }
-        Field found = haptogram::field(played, region, wanted, asked_.threads, options_.progress);
-        const Grid& grid = found.region.grid;
-        Json about = {{"method", name_of(found.method)},
-                      {"error", found.error},
-                      {"quantity", found.quantity},
-                      {"x_m", grid.x},
-                      {"y_m", grid.y},
-                      {"z_m", grid.z}};
-        if (const auto& pose = found.region.pose)
-            about["pose"] = {to_json(pose->origin), to_json(pose->x), to_json(pose->y), to_json(pose->z)};
-        std::vector<std::complex<float>> both;
-        if (found.parts.size() == 2)
-            for (std::size_t i = 0; i < grid.size(); ++i) both.emplace_back(found.parts[0][i], found.parts[1][i]);
-        const bool is_complex = !both.empty();
-        std::unique_ptr<haptogram_result> result(
-            is_complex ? result_of<std::complex<float>>(std::move(both), shape_of(grid), std::move(about))
-                       : result_of<float>(std::vector<float>(), shape_of(grid), std::move(about)));
-        result->field = std::move(found);
-        if (!is_complex) result->numbers = result->field->parts.front().data();
-        return result.release();
+std::optional<std::pair<double, double>> range_of(const double* both, std::size_t count, const char* name) {
+    if (both == nullptr) return {};
+    if (count != 2) throw bad_argument(name, fmt::format("expected from and to, found {} numbers", count));
+    return {{both[0], both[1]}};
+}
+
+haptogram_result* in_region(const Array& array, const std::string& quantity, const haptogram_field& asked) {
+    const Reach reach{asked.extent_m, asked.step_m, range_of(asked.x_m, asked.x_count, "x_m"),
+                      range_of(asked.y_m, asked.y_count, "y_m"), range_of(asked.z_m, asked.z_count, "z_m")};
+    const Region region =
+        parse_region(asked.region_name != nullptr ? asked.region_name : "region", asked.region, reach);
+    const Quantity wanted = quantity_of(quantity);
+    Excitation played{array, {}, {}, {}, "given drives"};
+    for (const WeightedDrives& set : sequence_of(asked)) {
+        played.drives.emplace_back(set.drives.begin(), set.drives.end());
+        played.weights.push_back(set.weight);
     }
-
-    /// z × y × x.
-    static std::vector<std::size_t> shape_of(const Grid& grid) { return {grid.z.size(), grid.y.size(), grid.x.size()}; }
-
-    const haptogram_field& asked_;
-    const Array& array_;
-    std::string quantity_;
-    FieldOptions options_;
-};
+    Field found = field(played, region, wanted, asked.threads, until(asked.cancel));
+    const Grid& grid = found.region.grid;
+    Json about = {{"method", name_of(found.method)},
+                  {"error", found.error},
+                  {"quantity", found.quantity},
+                  {"x_m", grid.x},
+                  {"y_m", grid.y},
+                  {"z_m", grid.z}};
+    if (const auto& pose = found.region.pose)
+        about["pose"] = {to_json(pose->origin), to_json(pose->x), to_json(pose->y), to_json(pose->z)};
+    std::vector<std::complex<float>> both;
+    if (found.parts.size() == 2)
+        for (std::size_t i = 0; i < grid.size(); ++i) both.emplace_back(found.parts[0][i], found.parts[1][i]);
+    const char* const type = both.empty() ? "float32" : "complex64";
+    std::unique_ptr<haptogram_result> result(result_of(type, std::move(both), shape_of(grid), std::move(about)));
+    result->field = std::move(found);
+    if (result->field->parts.size() == 1) result->numbers = result->field->parts.front().data();
+    return result.release();
+}
 
 std::span<const Focus> foci_of(const haptogram_foci& asked, std::vector<Focus>& foci) {
     for (std::size_t i = 0; i < asked.count; ++i) foci.push_back(focus_of((&required(asked.foci, "foci"))[i]));
@@ -300,8 +263,6 @@ Level level_of(const haptogram_foci& asked) {
 
 }  // namespace
 }  // namespace haptogram::c
-
-using haptogram::bad_argument;
 
 extern "C" {
 
@@ -374,8 +335,8 @@ haptogram_code haptogram_drives(const haptogram_source* source, haptogram_array*
         haptogram::Excitation played = excitation_for(from);
         std::vector<std::complex<double>> all;
         for (const auto& set : played.drives) all.insert(all.end(), set.begin(), set.end());
-        *drives = result_of<std::complex<double>>(std::move(all), {played.drives.size(), played.array.elements.size()},
-                                                  {{"weights", played.weights}});
+        *drives = result_of("complex128", std::move(all), {played.drives.size(), played.array.elements.size()},
+                            {{"weights", played.weights}});
         *array = array_of(std::move(played.array));
     });
 }
@@ -407,7 +368,8 @@ haptogram_code haptogram_compute_field(const haptogram_field* field, haptogram_r
     return guarded([&] {
         const haptogram_field asked = known_part(field, "field");
         required(values, "values") = nullptr;
-        *values = AskedField(asked).compute();
+        const auto compute = asked.region != nullptr ? in_region : asked.points_m != nullptr ? at_points : on_axes;
+        *values = compute(given(asked.array), required_text(asked.quantity, "quantity"), asked);
     });
 }
 
@@ -418,9 +380,7 @@ haptogram_code haptogram_field_file(const haptogram_result* field, const char* f
         if (!required(field, "field").field) throw bad_argument("field", "is not of a region");
         if (wanted != "npy" && wanted != "csv")
             throw bad_argument("format", fmt::format("expected npy or csv, found '{}'", wanted));
-        std::string file = wanted == "npy" ? to_npy(*field->field) : to_csv(*field->field);
-        const std::size_t size = file.size();
-        *bytes = result_of<char>(std::move(file), {size});
+        *bytes = result_of("uint8", wanted == "npy" ? to_npy(*field->field) : to_csv(*field->field));
     });
 }
 
@@ -437,9 +397,7 @@ haptogram_code haptogram_solve_foci(const haptogram_foci* foci, haptogram_result
         if (asked.rounds != 0) options.rounds = static_cast<unsigned>(std::max(0, asked.rounds));
         std::span<const std::complex<double>> start;
         if (asked.drives != nullptr) start = drives_of(asked.drives, asked.elements);
-        std::vector<std::complex<double>> found = solve(given(asked.array), wanted, options, start);
-        const std::size_t size = found.size();
-        *drives = result_of<std::complex<double>>(std::move(found), {size});
+        *drives = result_of("complex128", solve(given(asked.array), wanted, options, start));
     });
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <complex>
@@ -55,9 +54,8 @@
 #include "haptogram/hand/project.hpp"
 #endif
 
-using haptogram::bad_argument;
-
 using namespace haptogram::c;
+using haptogram::bad_argument;
 
 /// A name, and no more: its place in memory is never given away again, so that one that was closed is known as that.
 struct haptogram_board {};
@@ -368,8 +366,8 @@ PathMakers makers() {
 
 Progress until(const std::int32_t* cancel) {
     if (cancel == nullptr) return {};
-    return Progress([cancel](double, std::string_view) {
-        return std::atomic_ref(const_cast<std::int32_t&>(*cancel)).load(std::memory_order_relaxed) == 0;
+    return Progress([cancel = static_cast<const volatile std::int32_t*>(cancel)](double, std::string_view) {
+        return *cancel == 0;  // which another thread writes, whole
     });
 }
 

@@ -38,9 +38,9 @@ KINDS = {ErrorCode.RUN_FAILED: Failed, ErrorCode.USAGE: BadArgument, ErrorCode.B
 class _Owned:
     """A handle of the library's, freed when nothing refers to it any more."""
 
-    def __init__(self, kind: str, value: int) -> None:
-        self.value = value
-        weakref.finalize(self, getattr(library(), f"haptogram_free_{kind}"), value).atexit = False
+    def __init__(self, kind: str, handle: c_void_p) -> None:
+        self.value = handle.value
+        weakref.finalize(self, getattr(library(), f"haptogram_free_{kind}"), self.value).atexit = False
 
     def __reduce__(self) -> tuple[Any, ...]:
         raise TypeError("cannot be pickled: it is in the library's memory")
@@ -103,10 +103,8 @@ class _Result:
     """What a function gives, as numpy and Python have it."""
 
     def __init__(self, name: str, *given: Any, by: Callable[..., None] = _call) -> None:
-        handle = c_void_p()
-        by(name, *given, byref(handle))
-        assert handle.value is not None
-        self.owned = _Owned("result", handle.value)
+        by(name, *given, byref(handle := c_void_p()))
+        self.owned = _Owned("result", handle)
         self.about: dict[str, Any] = json.loads(_text("result_json", handle))
 
     @property
@@ -170,68 +168,43 @@ class Pose:
 
 
 @final
+@dataclass(frozen=True, eq=False, repr=False)
 class Array:
-    """Transducers that play together, and the air in front of them. Never changes."""
+    """Transducers that play together, and the air in front of them. Never changes.
 
-    def __init__(self, owned: _Owned) -> None:
-        self._owned = owned
-        self._about = json.loads(_text("array_json", owned.value))
-        elements = _view(owned, library().haptogram_array_elements(owned.value), np.dtype(float), (len(self), 9), readonly=True)
-        self._positions, self._normals = elements[:, :3], elements[:, 3:6]
+    positions_m, normals: elements × 3: read-only views.
+    transducer: the kind of its elements.
+    level: what pressures and forces rest on, in a sentence that begins with nominal or calibrated.
+    """
+
+    name: str
+    carrier_hz: float
+    wavelength_m: float
+    transducer: str
+    level: str
+    positions_m: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    _owned: _Owned
 
     @staticmethod
     def find(name: str) -> Array:
         """Reads an array file (TOML), or a shipped array."""
-        return _array("make_array", byref(sized(native.ArraySource, name=os.fsencode(name))))
-
-    @property
-    def positions_m(self) -> NDArray[np.float64]:
-        """Elements × 3: a read-only view."""
-        return self._positions
-
-    @property
-    def normals(self) -> NDArray[np.float64]:
-        """Elements × 3, of length 1: a read-only view."""
-        return self._normals
-
-    def _like(self, **others: Any) -> Array:
-        return _array("make_array", byref(sized(native.ArraySource, like=self._owned.value, **others)))
+        return _made_array(name=os.fsencode(name))
 
     def with_elements(self, positions_m: ArrayLike, normals: ArrayLike | None = None) -> Array:
         """The same transducers and air with other elements; without normals they all face +z."""
         places, facing = _points(positions_m, "positions_m"), None if normals is None else _points(normals, "normals")
         if facing is not None and len(facing) != len(places):
             raise BadArgument(ErrorCode.USAGE, "normals", f"found {len(facing)} for {len(places)} elements; give one each")
-        return self._like(positions_m=_doubles(places), normals=_doubles(facing), elements=len(places))
+        return _made_array(like=self._owned.value, positions_m=_doubles(places), normals=_doubles(facing), elements=len(places))
 
     def with_transducer(self, name: str) -> Array:
         """The same elements of another kind: a transducer file (TOML), or a shipped transducer."""
-        return self._like(transducer=os.fsencode(name))
+        return _made_array(like=self._owned.value, transducer=os.fsencode(name))
 
     def seen_from(self, pose: Pose) -> Array:
         """The array in the coordinates of a pose. An oblique plane is an even one there."""
-        return self._like(seen_from=_doubles(pose._numbers))
-
-    @property
-    def name(self) -> str:
-        return str(self._about["name"])
-
-    @property
-    def carrier_hz(self) -> float:
-        return float(self._about["carrier_hz"])
-
-    @property
-    def wavelength_m(self) -> float:
-        return float(self._about["wavelength_m"])
-
-    @property
-    def transducer(self) -> str:
-        return str(self._about["transducer"])
-
-    @property
-    def level(self) -> str:
-        """What pressures and forces rest on, in a sentence that begins with nominal or calibrated."""
-        return str(self._about["level"])
+        return _made_array(like=self._owned.value, seen_from=_doubles(pose._numbers))
 
     def unreachable(self, focus_m: Point) -> str:
         """Why a focal point cannot be reached, in words; empty when it can."""
@@ -240,17 +213,22 @@ class Array:
     plot = pictures.array_plot
 
     def __len__(self) -> int:
-        return int(self._about["elements"])
+        return len(self.positions_m)
 
     def __repr__(self) -> str:
         return f"<Array {self.name}: {len(self)} × {self.transducer}>"
 
 
-def _array(name: str, *given: Any) -> Array:
-    handle = c_void_p()
-    _call(name, *given, byref(handle))
-    assert handle.value is not None
-    return Array(_Owned("array", handle.value))
+def _array(handle: c_void_p) -> Array:
+    owned = _Owned("array", handle)
+    about = json.loads(_text("array_json", owned.value))
+    elements = _view(owned, library().haptogram_array_elements(owned.value), np.dtype(float), (about.pop("elements"), 9), readonly=True)
+    return Array(**about, positions_m=elements[:, :3], normals=elements[:, 3:6], _owned=owned)
+
+
+def _made_array(**source: Any) -> Array:
+    _call("make_array", byref(sized(native.ArraySource, **source)), byref(handle := c_void_p()))
+    return _array(handle)
 
 
 def array_names() -> list[str]:
@@ -261,46 +239,29 @@ def array_names() -> list[str]:
 def join(arrays: Sequence[tuple[Array, Pose]], name: str = "rig") -> Array:
     """Several arrays, each in its pose, as one array."""
     parts = (native.PosedArray * len(arrays))(*[native.PosedArray(array._owned.value, _doubles(pose._numbers)) for array, pose in arrays])
-    return _array("join", parts, len(arrays), name.encode())
+    _call("join", parts, len(arrays), name.encode(), byref(handle := c_void_p()))
+    return _array(handle)
 
 
 # ---- images
 
 
 @final
+@dataclass(frozen=True, eq=False, repr=False)
 class Compiled:
-    """An image with its manifest."""
+    """An image with its manifest.
 
-    def __init__(self, request: Any) -> None:
-        handle = c_void_p()
-        _call_until_signal("compile", request, byref(handle))
-        assert handle.value is not None
-        self._owned = _Owned("image", handle.value)
+    hex: the image as Intel HEX: the bytes that the program writes.
+    manifest: the manifest as JSON text: what the program writes.
+    foci_m: every focal point (n × 3), record by record.
+    """
 
-    @property
-    def hex(self) -> bytes:
-        """The image as Intel HEX: the bytes that the program writes."""
-        return _bytes("image_hex", self._owned.value)
-
-    @property
-    def manifest(self) -> str:
-        """The manifest as JSON text: what the program writes."""
-        return _text("image_manifest", self._owned.value)
-
-    @property
-    def foci_m(self) -> NDArray[np.float64]:
-        """Every focal point (n × 3), record by record."""
-        found = np.empty(library().haptogram_image_foci(self._owned.value, None, 0))
-        library().haptogram_image_foci(self._owned.value, _doubles(found), len(found))
-        return found.reshape(-1, 3)
-
-    @property
-    def rate_hz(self) -> float:
-        return float(json.loads(self.manifest)["rendering"]["rate_hz"])
-
-    @property
-    def warnings(self) -> list[str]:
-        return list(filter(None, _text("image_warnings", self._owned.value).split("\n")))
+    hex: bytes
+    manifest: str
+    foci_m: NDArray[np.float64]
+    rate_hz: float
+    warnings: list[str]
+    _owned: _Owned
 
     def save(self, image: str) -> None:
         """Writes the image, and its manifest beside it."""
@@ -310,14 +271,24 @@ class Compiled:
     __repr__ = pictures.compiled_repr
 
 
+def _compiled(**project: Any) -> Compiled:
+    _call_until_signal("compile", sized(native.Project, **project), byref(handle := c_void_p()))
+    owned = _Owned("image", handle)
+    foci = np.empty(library().haptogram_image_foci(owned.value, None, 0))
+    library().haptogram_image_foci(owned.value, _doubles(foci), len(foci))
+    manifest, warnings = (_text(f"image_{what}", owned.value) for what in ("manifest", "warnings"))
+    rate_hz = json.loads(manifest)["rendering"]["rate_hz"]
+    return Compiled(_bytes("image_hex", owned.value), manifest, foci.reshape(-1, 3), rate_hz, warnings.split("\n") if warnings else [], owned)
+
+
 def compile_project(path: str) -> Compiled:
     """Compiles a project file."""
-    return Compiled(sized(native.Project, file=os.fsencode(path)))
+    return _compiled(file=os.fsencode(path))
 
 
 def compile_text(toml: str, folder: str | os.PathLike[str] = "", name: str = "project") -> Compiled:
     """Compiles the text of a project file. Relative paths in it start from folder; name is for messages."""
-    return Compiled(sized(native.Project, toml=toml.encode(), folder=os.fsencode(folder), name=name.encode()))
+    return _compiled(toml=toml.encode(), folder=os.fsencode(folder), name=name.encode())
 
 
 # ---- what makes a sound field
@@ -373,11 +344,9 @@ class Excitation:
 
 
 def _excitation(**source: Any) -> Excitation:
-    array = c_void_p()
     quick = "file" not in source and "pulses" not in source
-    found = _Result("drives", sized(native.Source, **source), byref(array), by=functools.partial(_call_until_signal, quick=quick))
-    assert array.value is not None
-    return Excitation(Array(_Owned("array", array.value)), found.numbers, np.array(found.about["weights"], dtype=float))
+    found = _Result("drives", sized(native.Source, **source), byref(array := c_void_p()), by=functools.partial(_call_until_signal, quick=quick))
+    return Excitation(_array(array), found.numbers, np.array(found.about["weights"], dtype=float))
 
 
 def ideal_drives(array: Array, focus_m: Point) -> NDArray[np.complex128]:
