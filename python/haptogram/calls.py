@@ -4,7 +4,6 @@ are complex source strengths in Pa m. Numpy's memory is passed as it is, and res
 and Ctrl-C ends the work."""
 from __future__ import annotations
 
-import contextlib
 import functools
 import json
 import os
@@ -60,7 +59,8 @@ def _call(name: str, *given: Any) -> None:
 
 
 def _call_until_signal(name: str, request: Any, *given: Any, quick: bool = False) -> None:
-    """In a thread of its own, so that this one, to which signals come, can cancel it. A thread takes longer than what is quick."""
+    """In a thread of its own, so that this one, to which signals come, can cancel it. It ends soon after, so the request has to keep what it points to. A thread
+    takes longer than what is quick."""
     if quick or threading.current_thread() is not threading.main_thread():
         _call(name, byref(request), *given)
         return
@@ -74,14 +74,11 @@ def _call_until_signal(name: str, request: Any, *given: Any, quick: bool = False
             failed.append(error)
 
     thread = threading.Thread(target=work, name=f"haptogram_{name}")
-    thread.start()
     try:
+        thread.start()
         thread.join()
     except BaseException:
         cancel.value = 1
-        while thread.is_alive():  # it ends soon, and reads until then what the caller would free
-            with contextlib.suppress(BaseException):
-                thread.join()
         raise
     if failed:
         raise failed[0]
@@ -438,6 +435,7 @@ def _computed(quantity: str, array: Array, drives: NDArray[Any] | None = None, w
     request = sized(native.Field, quantity=quantity.encode(), array=array._owned.value, weights=_doubles(weights))
     if drives is not None:
         request.drives, request.elements, request.sets = _doubles(drives), drives.shape[-1], drives.size // (drives.shape[-1] or 1)
+    request.kept = array, drives, weights, where
     waves = points * (len(array) if drives is None else drives.size)
     for name, value in where.items():
         if isinstance(value, np.ndarray):
@@ -612,7 +610,9 @@ class ImageAnalysis:
 def analyze(image: str | os.PathLike[str] | Compiled, least_force_n: float = 0.58e-3) -> ImageAnalysis:
     """Of an image's or a project's path, or of what was just compiled."""
     source: dict[str, Any] = {"image": image._owned.value} if isinstance(image, Compiled) else {"file": os.fsencode(image)}
-    about = _Result("analyze", sized(native.Source, **source), least_force_n, by=_call_until_signal).about
+    request = sized(native.Source, **source)
+    request.kept = image
+    about = _Result("analyze", request, least_force_n, by=_call_until_signal).about
     alone = {name: about.pop(name) for name in ("highest_db", "pressure_left_least", "level", "warnings")}
     kinds = {"dwell_cycles": np.uint64, "dwell_needed_cycles": np.uint32}
     columns: dict[str, Any] = {name: np.array(about.get(name, []), dtype=kinds.get(name, float)) for name in list(ImageAnalysis.__dataclass_fields__)[:10]}
