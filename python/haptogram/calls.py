@@ -112,28 +112,13 @@ class _Result:
 # ---- numpy's memory
 
 
-def _shape(array: NDArray[Any]) -> str:
-    return " × ".join(map(str, array.shape)) or "a single number"
+ROW, POINTS, THREE = ("an array of one dimension", (None,)), ("an array of points × 3", (None, 3)), ("three numbers", (3,))
 
 
-def _row(value: ArrayLike, setting: str, kind: type = float) -> NDArray[Any]:
+def _numbers(value: ArrayLike, setting: str, what: tuple[str, tuple[int | None, ...]] = ROW, kind: type = float) -> NDArray[Any]:
     array: NDArray[Any] = np.asarray(value, dtype=kind, order="C")
-    if array.ndim != 1:
-        raise BadArgument(ErrorCode.USAGE, setting, f"expected an array of one dimension, found {_shape(array)}")
-    return array
-
-
-def _points(value: ArrayLike, setting: str) -> NDArray[np.float64]:
-    array = np.asarray(value, dtype=float, order="C")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise BadArgument(ErrorCode.USAGE, setting, f"expected an array of points × 3, found {_shape(array)}")
-    return array
-
-
-def _three(value: ArrayLike, setting: str) -> NDArray[np.float64]:
-    array = np.asarray(value, dtype=float, order="C")
-    if array.shape != (3,):
-        raise BadArgument(ErrorCode.USAGE, setting, f"expected three numbers, found {_shape(array)}")
+    if array.ndim != len(what[1]) or any(count not in (None, found) for count, found in zip(what[1], array.shape, strict=True)):
+        raise BadArgument(ErrorCode.USAGE, setting, f"expected {what[0]}, found {' × '.join(map(str, array.shape)) or 'a single number'}")
     return array
 
 
@@ -151,14 +136,14 @@ class Pose:
 
     def __init__(self, origin_m: Point, angles_deg: Point = (0.0, 0.0, 0.0)) -> None:
         """Turned by degrees about the fixed x, then y, then z axis, and then moved to origin_m."""
-        self._numbers = np.concatenate([_three(origin_m, "origin_m"), _three(angles_deg, "angles_deg")])
-        (ca, cb, cc), (sa, sb, sc) = np.cos(angles := np.radians(self._numbers[3:])), np.sin(angles)
+        self._placed = np.concatenate([_numbers(origin_m, "origin_m", THREE), _numbers(angles_deg, "angles_deg", THREE)])
+        (ca, cb, cc), (sa, sb, sc) = np.cos(angles := np.radians(self._placed[3:])), np.sin(angles)
         about_x, about_y, about_z = [[1, 0, 0], [0, ca, -sa], [0, sa, ca]], [[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]], [[cc, -sc, 0], [sc, cc, 0], [0, 0, 1]]
         self._axes = np.transpose(np.linalg.multi_dot([about_z, about_y, about_x]))
 
     def outwards(self, points_m: ArrayLike) -> NDArray[np.float64]:
         """Points (n × 3) in the pose's own coordinates, in the surrounding ones."""
-        found: NDArray[np.float64] = self._numbers[:3] + _points(points_m, "points_m") @ self._axes
+        found: NDArray[np.float64] = self._placed[:3] + _numbers(points_m, "points_m", POINTS) @ self._axes
         return found
 
     __repr__ = pictures.pose_repr
@@ -190,7 +175,7 @@ class Array:
 
     def with_elements(self, positions_m: ArrayLike, normals: ArrayLike | None = None) -> Array:
         """The same transducers and air with other elements; without normals they all face +z."""
-        places, facing = _points(positions_m, "positions_m"), None if normals is None else _points(normals, "normals")
+        places, facing = _numbers(positions_m, "positions_m", POINTS), None if normals is None else _numbers(normals, "normals", POINTS)
         if facing is not None and len(facing) != len(places):
             raise BadArgument(ErrorCode.USAGE, "normals", f"found {len(facing)} for {len(places)} elements; give one each")
         return _made_array(like=self._owned.value, positions_m=_doubles(places), normals=_doubles(facing), elements=len(places))
@@ -201,11 +186,11 @@ class Array:
 
     def seen_from(self, pose: Pose) -> Array:
         """The array in the coordinates of a pose. An oblique plane is an even one there."""
-        return _made_array(like=self._owned.value, seen_from=_doubles(pose._numbers))
+        return _made_array(like=self._owned.value, seen_from=_doubles(pose._placed))
 
     def unreachable(self, focus_m: Point) -> str:
         """Why a focal point cannot be reached, in words; empty when it can."""
-        return _text("unreachable", self._owned.value, _doubles(_three(focus_m, "focus_m")))
+        return _text("unreachable", self._owned.value, _doubles(_numbers(focus_m, "focus_m", THREE)))
 
     plot = pictures.array_plot
 
@@ -235,7 +220,7 @@ def array_names() -> list[str]:
 
 def join(arrays: Sequence[tuple[Array, Pose]], name: str = "rig") -> Array:
     """Several arrays, each in its pose, as one array."""
-    parts = (native.PosedArray * len(arrays))(*[native.PosedArray(array._owned.value, _doubles(pose._numbers)) for array, pose in arrays])
+    parts = (native.PosedArray * len(arrays))(*[native.PosedArray(array._owned.value, _doubles(pose._placed)) for array, pose in arrays])
     _call("join", parts, len(arrays), name.encode(), byref(handle := c_void_p()))
     return _array(handle)
 
@@ -317,7 +302,7 @@ class Excitation:
     @staticmethod
     def of_focus(array: Array, focus_m: Point) -> Excitation:
         """Exact phases for one focal point, at full strength."""
-        return _excitation(array=array._owned.value, focus_m=_doubles(_three(focus_m, "focus_m")))
+        return _excitation(array=array._owned.value, focus_m=_doubles(_numbers(focus_m, "focus_m", THREE)))
 
     @staticmethod
     def of_drives(array: Array, drives: ArrayLike, weights: ArrayLike | None = None, foci_m: ArrayLike | None = None) -> Excitation:
@@ -325,11 +310,11 @@ class Excitation:
         sets = np.array(drives, dtype=complex, order="C")
         if sets.ndim != 2 or sets.shape[1] != len(array):
             raise BadArgument(ErrorCode.USAGE, "drives", f"expected an array of sets × {len(array)}, the array's elements")
-        shares = np.ones(len(sets)) if weights is None else np.array(_row(weights, "weights"))
+        shares = np.ones(len(sets)) if weights is None else np.array(_numbers(weights, "weights"))
         if len(shares) != len(sets):
             raise BadArgument(ErrorCode.USAGE, "weights", f"found {len(shares)} for {len(sets)} sets of drives; give one each")
         if foci_m is not None:
-            _points(foci_m, "foci_m")
+            _numbers(foci_m, "foci_m", POINTS)
         return Excitation(array, sets, shares)
 
     @staticmethod
@@ -446,11 +431,11 @@ def _computed(quantity: str, array: Array, drives: NDArray[Any] | None = None, w
 
 
 def _axes(x_m: ArrayLike, y_m: ArrayLike, z_m: ArrayLike) -> dict[str, Any]:
-    return {name: _row(axis, name) for name, axis in (("x_m", x_m), ("y_m", y_m), ("z_m", z_m))}
+    return {name: _numbers(axis, name) for name, axis in (("x_m", x_m), ("y_m", y_m), ("z_m", z_m))}
 
 
 def _sets(drives: ArrayLike, weights: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-    sets, shares = np.asarray(drives, dtype=complex, order="C"), _row(weights, "weights")
+    sets, shares = np.asarray(drives, dtype=complex, order="C"), _numbers(weights, "weights")
     if sets.ndim != 2 or len(sets) != len(shares):
         raise BadArgument(ErrorCode.USAGE, "drives", f"expected an array of {len(shares)} × elements, a row for each weight")
     return sets, shares
@@ -458,25 +443,25 @@ def _sets(drives: ArrayLike, weights: ArrayLike) -> tuple[NDArray[Any], NDArray[
 
 def pressure(array: Array, drives: ArrayLike, points_m: ArrayLike, *, threads: int = 0, pattern_error: float = 0.0) -> NDArray[np.complex64]:
     """Complex pressure (complex64) at points (n × 3)."""
-    return _computed("complex", array, _row(drives, "drives", complex), points_m=_points(points_m, "points_m"), threads=threads, pattern_error=pattern_error).numbers
+    return _computed("complex", array, _numbers(drives, "drives", kind=complex), points_m=_numbers(points_m, "points_m", POINTS), threads=threads, pattern_error=pattern_error).numbers
 
 
 def pressure_on(array: Array, drives: ArrayLike, x_m: ArrayLike, y_m: ArrayLike, z_m: ArrayLike, *, threads: int = 0, interpolation_error: float = 1e-4,
                 pattern_error: float = 0.0) -> PressureField:  # fmt: skip
     """Complex pressure on straight axes, by the quickest method."""
-    found = _computed("complex", array, _row(drives, "drives", complex), **_axes(x_m, y_m, z_m), threads=threads, interpolation_error=interpolation_error,
+    found = _computed("complex", array, _numbers(drives, "drives", kind=complex), **_axes(x_m, y_m, z_m), threads=threads, interpolation_error=interpolation_error,
                       pattern_error=pattern_error)  # fmt: skip
     return PressureField(found.numbers, *(found.about[name] for name in ("method", "error", "pattern_error")))
 
 
 def gradient(array: Array, drives: ArrayLike, points_m: ArrayLike, *, threads: int = 0, pattern_error: float = 0.0) -> NDArray[np.complex64]:
     """Gradient of the complex pressure (complex64, n × 3), Pa/m."""
-    return _computed("gradient", array, _row(drives, "drives", complex), points_m=_points(points_m, "points_m"), threads=threads, pattern_error=pattern_error).numbers
+    return _computed("gradient", array, _numbers(drives, "drives", kind=complex), points_m=_numbers(points_m, "points_m", POINTS), threads=threads, pattern_error=pattern_error).numbers
 
 
 def mean_square(array: Array, drives: ArrayLike, weights: ArrayLike, points_m: ArrayLike, *, threads: int = 0) -> NDArray[np.float32]:
     """Mean square of the pressure (float32), Pa²: drives are sets × elements, with a weight each."""
-    return _computed("mean_square", array, *_sets(drives, weights), points_m=_points(points_m, "points_m"), threads=threads).numbers
+    return _computed("mean_square", array, *_sets(drives, weights), points_m=_numbers(points_m, "points_m", POINTS), threads=threads).numbers
 
 
 def mean_square_on(array: Array, drives: ArrayLike, weights: ArrayLike, x_m: ArrayLike, y_m: ArrayLike, z_m: ArrayLike, *, threads: int = 0,
@@ -499,7 +484,7 @@ def field(excitation: Excitation, *, plane: str | None = None, line: str | None 
     if len(given) > 1:
         raise BadArgument(ErrorCode.USAGE, "plane", "found more than one of plane, line and volume; give one")
     ((name, text),) = given.items()
-    ranges = {axis: _row(both, axis) for axis, both in (("x_m", x_m), ("y_m", y_m), ("z_m", z_m)) if both is not None}
+    ranges = {axis: _numbers(both, axis) for axis, both in (("x_m", x_m), ("y_m", y_m), ("z_m", z_m)) if both is not None}
     span = max([2.0 * extent_m, *(np.ptp(both) for both in ranges.values())])
     points = (span / max(step_m, 1e-9)) ** {"line": 1, "plane": 2, "volume": 3}[name]
     found = _computed(quantity, excitation.array, excitation.drives, excitation.weights, points, region=text.encode(), region_name=name.encode(),
@@ -529,11 +514,11 @@ class Quality:
 
 
 def _foci(name: str, array: Array, foci_m: ArrayLike, amplitudes: ArrayLike | None, drives: ArrayLike | None, setting: str, level: str, **more: Any) -> _Result:
-    places = _points(foci_m, "foci_m")
-    strengths = np.ones(len(places)) if amplitudes is None else _row(amplitudes, "amplitudes")
+    places = _numbers(foci_m, "foci_m", POINTS)
+    strengths = np.ones(len(places)) if amplitudes is None else _numbers(amplitudes, "amplitudes")
     if len(strengths) != len(places):
         raise BadArgument(ErrorCode.USAGE, "amplitudes", f"found {len(strengths)} for {len(places)} foci; give one each")
-    both, given = np.column_stack([places, strengths]), None if drives is None else _row(drives, setting, complex)
+    both, given = np.column_stack([places, strengths]), None if drives is None else _numbers(drives, setting, kind=complex)
     return _Result(name, byref(sized(native.Foci, array=array._owned.value, foci=both.ctypes.data_as(POINTER(native.Focus)), count=len(both), level=level.encode(),
                                      drives=_doubles(given), elements=0 if given is None else len(given), **more)))  # fmt: skip
 
@@ -576,7 +561,7 @@ class FocusAnalysis:
 
 def analyze_focus(array: Array, drives: ArrayLike, focus_m: Point, *, core: str = "tile-100") -> FocusAnalysis:
     """What a focal point is like. The core, a board or a configuration, adds its time to load a record."""
-    played, place = _row(drives, "drives", complex), _three(focus_m, "focus_m")
+    played, place = _numbers(drives, "drives", kind=complex), _numbers(focus_m, "focus_m", THREE)
     found = _Result("analyze_focus", array._owned.value, _doubles(played), len(played), _doubles(place), core.encode())
     return FocusAnalysis(**{name: float(np.array(value, dtype=float)) for name, value in found.about.items()})
 

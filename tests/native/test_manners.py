@@ -77,6 +77,20 @@ def test_control_c_ends_it(array):
         signal.signal(signal.SIGINT, handler)
 
 
+def test_other_signals_are_heard_while_it_computes(array):
+    heard = []
+    handler = signal.signal(signal.SIGUSR1, lambda *_: heard.append(time.monotonic()))
+    timer = threading.Timer(0.02, os.kill, (os.getpid(), signal.SIGUSR1))
+    try:
+        timer.start()
+        assert np.isfinite(large(array).values).all()
+        ended = time.monotonic()
+        timer.join()
+    finally:
+        signal.signal(signal.SIGUSR1, handler)
+    assert heard[0] < ended
+
+
 def test_the_same_bytes_for_any_number_of_threads(array):
     drives = native.ideal_drives(array, (0, 0, 0.13))
     axis = np.linspace(-0.05, 0.05, 120)
