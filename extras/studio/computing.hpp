@@ -9,13 +9,15 @@
 
 #include "answers.hpp"
 #include "haptogram/base/progress.hpp"
-#include "http.hpp"
+#include "local_server.hpp"
 #include "messages.hpp"
 #include "pins.hpp"
 #include "scenes.hpp"
 #include "worker.hpp"
 
 namespace haptogram::studio {
+
+using serve::Page, serve::Reply;
 
 /// What pages ask of scenes: to compile them, and what they do in the air and at the pins. It is computed in threads of
 /// its own and answered to the page that asked. No board has a part in it. Its functions are for the server's thread,

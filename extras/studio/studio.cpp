@@ -21,8 +21,8 @@
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/to_json.hpp"
-#include "http.hpp"
 #include "live.hpp"
+#include "local_server.hpp"
 #include "messages.hpp"
 #include "page_sight.hpp"
 #include "player.hpp"
@@ -43,7 +43,9 @@ class Studio {
 public:
     Studio(const Options& options, Assets assets)
         : assets_(std::move(assets)),
-          server_(options.port),
+          server_(options.port == 0 ? std::initializer_list<std::uint16_t>{usual_port, 0}
+                                    : std::initializer_list<std::uint16_t>{options.port},
+                  "port", {}),
           player_({.told = [this](const link::DeviceState& state) { server_.post([this, state] { tell(state); }); },
                    .work =
                        [this](ordered_json report) {
@@ -58,7 +60,7 @@ public:
 
     [[nodiscard]] std::uint16_t port() const { return server_.port(); }
 
-    void run(const Access& access, const std::function<bool()>& ended) {
+    void run(const serve::Access& access, const std::function<bool()>& ended) {
         server_.run(access,
                     {.request = [this](Request request, const Reply& reply) { answer(std::move(request), reply); },
                      .opened = [this](std::shared_ptr<Page> page) { open(std::move(page)); },
@@ -553,7 +555,7 @@ private:
     std::filesystem::path folder_;  // of the project: where protocols and results are
     std::filesystem::path placed_;  // boards' designs, for bitstreams
     Scenes scenes_;
-    Server server_;
+    serve::Server server_;
     std::map<std::uint64_t, Visitor> visitors_;
     std::optional<std::uint64_t> driver_;  // the page that keeps the outputs on
     std::uint64_t driver_work_ = 0;        // and what it asked to be played
@@ -579,7 +581,7 @@ void run(const Options& options,
     std::error_code ignored;
     const bool missing = options.page.empty() && !std::filesystem::exists(page / "page.json", ignored);
     Studio studio(options, missing ? assets_without_page(page.string()) : load_assets(page));
-    const Access access = access_for(studio.port(), make_token());
+    const serve::Access access = serve::access_for(studio.port(), make_token());
     listening(fmt::format("http://{}/#{}", access.hosts.front(), access.token),
               missing ? "the page was not built: it needs node and the packages of extras/studio/web; run tools/setup, "
                         "then build again"

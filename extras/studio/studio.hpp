@@ -7,6 +7,9 @@
 
 namespace haptogram::studio {
 
+/// Port that is taken when none is asked for and it is free, so that a browser finds again what it kept for the page.
+inline constexpr std::uint16_t usual_port = 41040;
+
 struct Options {
     std::filesystem::path project;  ///< that the page begins with; empty: an example
     std::uint16_t port = 0;         ///< of HTTP; 0: the usual one, or one that is free

@@ -282,12 +282,14 @@ struct PowerOptions {
     std::string board;
     SupplyOptions supply;
     double nanofarads = 2.7;
+    double driver_ma = 4.5;
     bool json = false;
 };
 
 int print_power(PowerOptions options) {
     options.supply.channels = load_board(options.board).parameters.channels;
     options.supply.capacitance_f = options.nanofarads * 1e-9;
+    options.supply.driver_a = options.driver_ma * 1e-3;
     const SupplyOptions& o = options.supply;
     const Supply s = supply_of(o);
     if (options.json)
@@ -297,15 +299,18 @@ int print_power(PowerOptions options) {
                                         {"motion_w", s.motion_w},
                                         {"charge_w", s.charge_w},
                                         {"all_w", s.all_w},
-                                        {"current_a", s.current_a}}
+                                        {"current_a", s.current_a},
+                                        {"drivers_a", s.drivers_a}}
                                .dump());
     else
         fmt::print(
             "{} channels at {:g} V and a duty of {:g}: {:.2f} W, {:.2f} A from the supply\n"
             "a channel: {:.1f} mW move the element, {:.1f} mW charge it, at any duty\n"
-            "by formula for a typical element ({:g} ohms, {:g} nF), without what the drivers take for themselves\n",
+            "by formula for a typical element ({:g} ohms, {:g} nF)\n"
+            "and at most {:.2f} A that {} dual drivers take for themselves ({:g} mA each while their inputs are "
+            "high)\n",
             o.channels, o.volts, o.duty, s.all_w, s.current_a, s.motion_w * 1e3, s.charge_w * 1e3, o.resistance_ohm,
-            options.nanofarads);
+            options.nanofarads, s.drivers_a, (o.channels + 1) / 2, options.driver_ma);
     return 0;
 }
 
@@ -338,7 +343,7 @@ void add_board(CLI::App& app, Action& action) {
         if (sub->get_subcommands().empty())
             action = []() -> int {
                 throw Error(ErrorCode::bad_argument, "board",
-                            "expected a subcommand: list, pinout, power or run; see haptogram board --help");
+                            "expected a subcommand: list, run, holder, power or pinout; see haptogram board --help");
             };
     });
 
@@ -348,6 +353,7 @@ void add_board(CLI::App& app, Action& action) {
     names->callback([as_json, &action] { action = [as_json] { return list(*as_json); }; });
 
     add_below("board", *sub, action);
+    add_holder(*sub, action);
 
     auto power = std::make_shared<PowerOptions>();
     CLI::App* supply = sub->add_subcommand("power", "Print what a board's array takes from its supply");
@@ -359,6 +365,8 @@ void add_board(CLI::App& app, Action& action) {
         ->capture_default_str();
     supply->add_option("--capacitance-nf", power->nanofarads, "Capacitance of an element")->capture_default_str();
     supply->add_option("--series-ohm", power->supply.series_ohm, "Resistance of a driver and what is behind it")
+        ->capture_default_str();
+    supply->add_option("--driver-ma", power->driver_ma, "What a dual driver takes for itself at most; of a TC4427")
         ->capture_default_str();
     supply->add_flag("--json", power->json, "As JSON");
     supply->callback([power, &action] { action = [power] { return print_power(*power); }; });

@@ -27,6 +27,7 @@ void add_solve(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
+void add_holder(CLI::App& board, Action& action);
 void add_device(CLI::App& app, Action& action);
 void add_device_list(CLI::App& device, Action& action);
 void add_device_trigger(CLI::App& device, Action& action);

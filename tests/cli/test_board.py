@@ -7,6 +7,7 @@ import json
 import math
 import re
 import tomllib
+import xml.etree.ElementTree
 
 import pytest
 from support import BAD_INPUT, ROOT, USAGE, Image, read_json, refuse, run, succeed, text
@@ -281,7 +282,31 @@ def test_the_power_of_an_array(tmp_path):
     told = json.loads(text(succeed(["board", "power", LARGE, "--volts", 18, "--duty", 0.25, "--json"]).stdout))
     one = (2 * 18 / math.pi * math.sin(math.pi / 4)) ** 2 / 2 / 729 + 2.7e-9 * 18**2 * 40e3
     assert told["all_w"] == pytest.approx(100 * one) and told["current_a"] == pytest.approx(100 * one / 18)
+    assert told["drivers_a"] == pytest.approx(50 * 4.5e-3)
     refuse(tmp_path, ["board", "power", LARGE, "--duty", "0.7"], USAGE)
+
+
+def test_a_holder_has_a_place_for_each_transducer(tmp_path):
+    """Read as any program that draws reads it: its size in millimetres, and of each circle what is cut."""
+    succeed(["board", "holder", "tile-10x10", "-o", "holder.svg"], cwd=tmp_path)
+    svg = xml.etree.ElementTree.parse(tmp_path / "holder.svg").getroot()
+    assert (svg.get("width"), svg.get("height")) == ("124.000mm", "124.000mm")  # nine pitches, a body, two margins
+    circles = [(each.get("class"), *(float(each.get(key)) for key in ("cx", "cy", "r"))) for each in svg.iter("{http://www.w3.org/2000/svg}circle")]
+    legs = {(x, y) for kind, x, y, r in circles if kind == "cut" and r == 0.6}
+    middles = {(10 * i - 45, 10 * k - 45) for i in range(10) for k in range(10)}
+    assert legs == {(x + side, y) for x, y in middles for side in (-2.54, 2.54)}
+    assert {(x, y) for kind, x, y, r in circles if kind == "mark"} == middles
+    numbers = [each for each in svg.iter("{http://www.w3.org/2000/svg}text")]
+    assert [each.text for each in numbers] == [str(n) for n in range(100)]
+    assert float(numbers[0].get("y")) > 0  # the first row is the lowest, and SVG counts down
+    for wrong in (["--body", "10.1"], ["--legs", "9.5"], ["--hole", "0"], ["--margin", "5"]):
+        refuse(tmp_path, ["board", "holder", "tile-10x10", *wrong, "-o", "wrong.svg"], USAGE)
+    assert not (tmp_path / "wrong.svg").exists()
+
+
+def test_a_holder_is_flat(tmp_path):
+    (tmp_path / "tilted.toml").write_text("name = 'tilted'\n[array]\nelements_mm = [[0, 0, 0], [20, 0, 5]]\n[transducer]\nname = 'any'\nradius_mm = 4.5\nsource_pa_m = 1\n")
+    refuse(tmp_path, ["board", "holder", "tilted.toml"], BAD_INPUT)
 
 
 def test_an_array_that_is_no_grid_has_no_rows(folder):

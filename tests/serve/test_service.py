@@ -390,6 +390,17 @@ def test_too_many_requests_are_refused_but_a_stop_is_not(service):
         assert client.ok(verb)
 
 
+def test_what_waits_is_bounded_and_hurts_nobody_else(service):
+    client, other = service.client(), service.client()
+    with pytest.raises(websockets.exceptions.ConnectionClosed):
+        for _ in range(9):  # each takes far longer to be refused than to be read
+            client.socket.send(json.dumps({"do": "compile", "project": f"a = [{'1,' * (7 << 20)}]"}))
+        while True:
+            client.socket.recv(timeout=300)
+    assert client.socket.socket.close_code == 1008 and "MiB of messages wait" in client.socket.socket.close_reason
+    assert other.ok("status")["connected"]
+
+
 def test_random_datagrams_and_messages_do_no_harm(service):
     """Ten thousand of each; the seed is shown, and HAPTOGRAM_SEED repeats it."""
     seed = int(os.environ.get("HAPTOGRAM_SEED", random.randrange(1 << 32)))

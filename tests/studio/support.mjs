@@ -255,6 +255,7 @@ export async function picture(page, name) {
  * keeps it instead. With another browser or other letters there is nothing to compare, which is said.
  */
 export async function keptPicture(page, name) {
+  await page.getByText("points is being looked at").waitFor({ state: "hidden" });
   await picture(page, name);
   await page.mouse.move(0, 0); // what the pointer is over has another colour
   const { width, height } = page.viewportSize();

@@ -6,7 +6,7 @@
 #include "guard.hpp"
 #include "haptogram/base/text.hpp"
 
-using namespace haptogram::studio;
+using namespace haptogram::serve;
 using haptogram::make_token;
 
 namespace {
@@ -60,6 +60,46 @@ TEST_CASE("studio guard: a second field that says the host is refused") {
     RequestHead head = api_request();
     head.hosts = 2;
     CHECK(status(head) == 400);
+}
+
+TEST_CASE("guard of a service: programs and named pages with the token are let in, and nobody else") {
+    Access service = access_for(8123, token);
+    service.origins = {"https://example.org"};
+    const auto status_of = [&](const RequestHead& head) {
+        const auto refusal = refuse(head, service);
+        return refusal ? refusal->status : 200;
+    };
+    RequestHead program;
+    program.method = "GET";
+    program.target = "/";
+    program.host = host;
+    program.upgrade = true;
+    CHECK(status_of(program) == 401);
+    program.authorization = "Bearer " + token;
+    CHECK(status_of(program) == 200);
+    program.upgrade = false;
+    CHECK(status_of(program) == 426);
+    program.upgrade = true;
+    program.hosts = 2;  // or origins
+    CHECK(status_of(program) == 400);
+    program.hosts = 1;
+    program.host = "evil.example:8123";
+    CHECK(status_of(program) == 421);
+
+    RequestHead page = socket_request();
+    page.target = "/";
+    CHECK(status_of(page) == 403);  // a page of this very server, which has none
+    page.origin = "https://example.org";
+    page.fetch_site = "cross-site";
+    CHECK(status_of(page) == 200);
+    page.protocols = "token." + token;
+    CHECK(status_of(page) == 401);
+
+    service = access_for(8123, "");
+    service.origins.emplace();
+    CHECK(status_of(page) == 403);
+    page.origin.clear();
+    CHECK(status_of(page) == 200);
 }
 
 TEST_CASE("studio guard: STOP is told from other requests") {

@@ -8,11 +8,13 @@
 
 #include "../refusal.hpp"
 #include "haptogram/base/depth.hpp"
-#include "http.hpp"
+#include "local_server.hpp"
 #include "messages.hpp"
 
 using namespace haptogram;
 using namespace haptogram::studio;
+using haptogram::serve::Answer, haptogram::serve::close_reason, haptogram::serve::error_answer,
+    haptogram::serve::most_message_bytes;
 
 namespace {
 

@@ -11,7 +11,6 @@
 #include "browser_door.hpp"
 #include "command.hpp"
 #include "extras.hpp"
-#include "http.hpp"
 #include "interrupt.hpp"
 
 namespace haptogram::cli {

@@ -247,7 +247,7 @@ ordered_json hello_json(const Scenes& scenes, const std::string& name) {
             {"boards", boards},
             {"touched", object_kinds()},
             {"algorithms", algorithms},
-            {"most_file_bytes", most_body_bytes}};
+            {"most_file_bytes", serve::most_body_bytes}};
 }
 
 std::optional<Answer> answer_at_once(Scenes& scenes, Request request) {

@@ -9,9 +9,8 @@
 
 #include "haptogram/base/progress.hpp"
 #include "messages.hpp"
-#include "recipient.hpp"
-#include "request.hpp"
 #include "scenes.hpp"
+#include "served.hpp"
 
 namespace haptogram::studio {
 

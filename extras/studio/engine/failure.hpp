@@ -7,7 +7,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "messages.hpp"
-#include "recipient.hpp"
+#include "served.hpp"
 
 namespace haptogram::studio {
 

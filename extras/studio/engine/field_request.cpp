@@ -11,7 +11,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/verbs/field.hpp"
-#include "request.hpp"
+#include "served.hpp"
 
 namespace haptogram::studio {
 namespace {

@@ -22,14 +22,16 @@ Supply supply_of(const SupplyOptions& o) {
             throw bad_argument(name, fmt::format("expected a number above 0, found {:g}", value));
     if (!(o.duty > 0.0 && o.duty <= 0.5))
         throw bad_argument("duty", fmt::format("expected more than 0 and at most 0.5, found {:g}", o.duty));
-    if (!(o.series_ohm >= 0.0 && std::isfinite(o.series_ohm)))
-        throw bad_argument("series_ohm", fmt::format("expected 0 or more, found {:g}", o.series_ohm));
+    for (const auto& [name, value] : {std::pair{"series_ohm", o.series_ohm}, std::pair{"driver_a", o.driver_a}})
+        if (!(value >= 0.0 && std::isfinite(value)))
+            throw bad_argument(name, fmt::format("expected 0 or more, found {:g}", value));
     const double amplitude = 2.0 * o.volts / pi * std::sin(pi * o.duty);
     Supply s;
     s.motion_w = amplitude * amplitude / (2.0 * (o.resistance_ohm + o.series_ohm));
     s.charge_w = o.capacitance_f * o.volts * o.volts * o.carrier_hz;
     s.all_w = static_cast<double>(o.channels) * (s.motion_w + s.charge_w);
     s.current_a = s.all_w / o.volts;
+    s.drivers_a = static_cast<double>((o.channels + 1) / 2) * o.driver_a;
     return s;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace haptogram::studio {
+namespace haptogram::serve {
 
 /// Whom answers are sent to.
 class Recipient {
@@ -18,4 +18,4 @@ public:
     virtual void send(std::vector<std::uint8_t> bulk) = 0;
 };
 
-}  // namespace haptogram::studio
+}  // namespace haptogram::serve

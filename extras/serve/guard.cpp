@@ -7,7 +7,7 @@
 
 #include "haptogram/base/text.hpp"
 
-namespace haptogram::studio {
+namespace haptogram::serve {
 namespace {
 
 /// The members of a header field that is a list.
@@ -32,16 +32,26 @@ bool has_token(const RequestHead& head, const Access& access) {
 
 bool offers_token(const RequestHead& head, const Access& access) {
     constexpr std::string_view prefix = "token.";
-    bool protocol = false, token = false;
-    for (const std::string_view offered : members(head.protocols)) {
-        protocol = protocol || offered == subprotocol;
-        token = token || (offered.starts_with(prefix) && is_token(offered.substr(prefix.size()), access.token));
-    }
-    return protocol && token;
+    return offers_subprotocol(head.protocols) &&
+           std::ranges::any_of(members(head.protocols), [&](std::string_view offered) {
+               return offered.starts_with(prefix) && is_token(offered.substr(prefix.size()), access.token);
+           });
 }
 
 const char* const no_token =
-    "the token is missing or is not that of this server; open the address that 'haptogram studio' printed";
+    "the token is missing or is not that of this server, which it printed when it began: a page is opened at that "
+    "address or offers the subprotocols 'haptogram.1' and 'token.' with the token; a program sends the header "
+    "Authorization with 'Bearer' and the token";
+
+/// Of a service, whose pages are those of other sites.
+std::optional<Refusal> refuse_client(const RequestHead& head, const Access& access) {
+    if (!head.origin.empty() && std::ranges::find(*access.origins, head.origin) == access.origins->end())
+        return Refusal{
+            403, fmt::format("pages of '{}' are not let in; start the service with --origin and that", head.origin)};
+    if (!head.upgrade) return Refusal{426, "this is a WebSocket"};
+    if (!access.token.empty() && !has_token(head, access) && !offers_token(head, access)) return Refusal{401, no_token};
+    return {};
+}
 
 }  // namespace
 
@@ -51,10 +61,11 @@ Access access_for(std::uint16_t port, std::string token) {
 
 std::optional<Refusal> refuse(const RequestHead& head, const Access& access) {
     if (head.hosts > 1)
-        return Refusal{
-            400, fmt::format("{} fields say the host, and two programs may read two hosts; send one", head.hosts)};
+        return Refusal{400, fmt::format("{} fields say the host or the origin, and two programs may read two; send one",
+                                        head.hosts)};
     if (std::find(access.hosts.begin(), access.hosts.end(), head.host) == access.hosts.end())
         return Refusal{421, fmt::format("the host is '{}', expected {}", head.host, access.hosts.front())};
+    if (access.origins) return refuse_client(head, access);
     const std::string_view path = std::string_view(head.target).substr(0, head.target.find('?'));
     if (!head.origin.empty() && head.origin != "http://" + head.host)
         return Refusal{403, "the request comes from a page of another origin"};
@@ -80,6 +91,11 @@ std::optional<Refusal> refuse(const RequestHead& head, const Access& access) {
     return {};
 }
 
+bool offers_subprotocol(std::string_view protocols) {
+    const auto offered = members(protocols);
+    return std::ranges::find(offered, subprotocol) != offered.end();
+}
+
 bool is_stop(const RequestHead& head) { return head.method == "POST" && head.target == "/api/stop"; }
 
-}  // namespace haptogram::studio
+}  // namespace haptogram::serve

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "http.hpp"
+#include "local_server.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -26,7 +27,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/text.hpp"
 
-namespace haptogram::studio {
+namespace haptogram::serve {
 namespace {
 
 namespace net = boost::asio;
@@ -57,7 +58,7 @@ RequestHead head_of(const http::request_header<>& header, std::optional<std::uin
             text(header[http::field::sec_websocket_protocol]),
             length,
             upgrade,
-            header.count(http::field::host)};
+            std::max(header.count(http::field::host), header.count(http::field::origin))};
 }
 
 http::response<http::string_body> response_of(Answer answer, bool head_only, bool keep_alive) {
@@ -88,15 +89,15 @@ public:
         });
     }
 
-    net::awaitable<void> read(std::function<void(Page&, std::string)> message) {
+    net::awaitable<void> read(const Server::Callbacks& callbacks) {
         for (;;) {
             beast::flat_buffer buffer;
             co_await socket_.async_read(buffer, net::use_awaitable);
-            if (!socket_.got_text()) {
+            const auto& take = socket_.got_text() ? callbacks.message : callbacks.bytes;
+            if (take)
+                take(*this, beast::buffers_to_string(buffer.data()));
+            else
                 close("messages to the studio are text");
-                continue;
-            }
-            message(*this, beast::buffers_to_string(buffer.data()));
         }
     }
 
@@ -152,13 +153,13 @@ std::string close_reason(std::string_view message) {
 
 class Server::Inside {
 public:
-    explicit Inside(std::uint16_t port) : acceptor_(context_), ticker_(context_) {
-        beast::error_code error = listen(port == 0 ? usual_port : port);
-        if (error && port == 0) error = listen(0);
-        if (error)
-            throw Error(
-                ErrorCode::failed, fmt::format("port {}", port),
-                fmt::format("cannot be listened at: {}; take another, or 0 for one that is free", error.message()));
+    Inside(std::initializer_list<std::uint16_t> ports, const char* setting, const Limits& limits)
+        : limits_(limits), acceptor_(context_), ticker_(context_) {
+        beast::error_code error;
+        for (const std::uint16_t port : ports)
+            if (error = listen(port); !error) return;
+        throw bad_argument(setting, fmt::format("port {} cannot be listened at: {}; take another", *(ports.end() - 1),
+                                                error.message()));
     }
 
     [[nodiscard]] std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
@@ -276,7 +277,7 @@ private:
             if (known) stranger.reset();
             const bool crowded = connections_ - strangers_.size() > most_connections;
             if (!refusal && crowded && !is_stop(head)) refusal = Refusal{503, "too many connections; close some"};
-            if (!refusal && upgrade && pages_ >= most_pages) refusal = Refusal{503, "too many pages; close some"};
+            if (!refusal && upgrade && pages_ >= limits_.pages) refusal = Refusal{503, "too many pages; close some"};
             if (refusal) {
                 co_await answer(stream, error_answer(refusal->status, refusal->message), false, false);
                 co_return;
@@ -346,14 +347,15 @@ private:
         stream.expires_never();
         Socket socket(std::move(stream));
         websocket::stream_base::timeout timeout = websocket::stream_base::timeout::suggested(beast::role_type::server);
-        timeout.idle_timeout = std::chrono::seconds(20);
+        timeout.idle_timeout = limits_.silence;
         timeout.keep_alive_pings = true;
         socket.set_option(timeout);
-        socket.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-            response.set(http::field::sec_websocket_protocol,
-                         beast::string_view(subprotocol.data(), subprotocol.size()));
-        }));
-        socket.read_message_max(most_message_bytes);
+        if (offers_subprotocol(text(request[http::field::sec_websocket_protocol])))
+            socket.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+                response.set(http::field::sec_websocket_protocol,
+                             beast::string_view(subprotocol.data(), subprotocol.size()));
+            }));
+        socket.read_message_max(limits_.message_bytes);
         socket.write_buffer_bytes(256 * 1024);
         socket.auto_fragment(false);
         co_await socket.async_accept(request, net::use_awaitable);
@@ -361,7 +363,7 @@ private:
         ++pages_;
         callbacks_.opened(opened);
         try {
-            co_await opened->read(callbacks_.message);
+            co_await opened->read(callbacks_);
         } catch (const std::exception&) {
             // It was closed, by whomever.
         }
@@ -369,6 +371,7 @@ private:
         callbacks_.closed(*opened);
     }
 
+    const Limits limits_;
     // Before the context, at whose end the connections that are still waited for take themselves off the list.
     std::list<beast::tcp_stream*> strangers_;  // the one that came first in front
     net::io_context context_{1};
@@ -380,10 +383,11 @@ private:
     std::uint64_t number_ = 0;
 };
 
-Server::Server(std::uint16_t port) : inside_(std::make_unique<Inside>(port)) {}
+Server::Server(std::initializer_list<std::uint16_t> ports, const char* setting, const Limits& limits)
+    : inside_(std::make_unique<Inside>(ports, setting, limits)) {}
 Server::~Server() = default;
 std::uint16_t Server::port() const { return inside_->port(); }
 void Server::run(const Access& access, Callbacks callbacks) { inside_->run(access, std::move(callbacks)); }
 void Server::post(std::function<void()> work) { inside_->post(std::move(work)); }
 
-}  // namespace haptogram::studio
+}  // namespace haptogram::serve

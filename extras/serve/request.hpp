@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace haptogram::studio {
+namespace haptogram::serve {
 
 inline constexpr std::size_t most_body_bytes = 64 * 1024 * 1024;
 
@@ -29,4 +29,4 @@ struct Answer {
 /// The value of a query's parameter, with %XX decoded. @return none when it is not there or wrongly encoded
 [[nodiscard]] std::optional<std::string> query_value(std::string_view query, std::string_view name);
 
-}  // namespace haptogram::studio
+}  // namespace haptogram::serve

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,7 +15,7 @@
 #include "recipient.hpp"
 #include "request.hpp"
 
-namespace haptogram::studio {
+namespace haptogram::serve {
 
 /// Why a WebSocket is closed, as its protocol takes it: 123 bytes at most, and UTF-8. What a message quotes may be
 /// neither, so bytes that are no printable ASCII become question marks.
@@ -34,9 +35,6 @@ public:
 /// Takes the answer to a request, once; may be called from any thread, also after a while.
 using Reply = std::function<void(Answer)>;
 
-/// Port that is taken when none is asked for and it is free, so that a browser finds again what it kept for the page.
-inline constexpr std::uint16_t usual_port = 41040;
-
 /// Serves requests and WebSockets on the loopback interface. All callbacks run in the thread that is in run(), one
 /// after the other, and must return soon.
 class Server {
@@ -46,18 +44,25 @@ public:
         std::function<void(Request, Reply)> request;
         std::function<void(std::shared_ptr<Page>)> opened;
         std::function<void(Page&, std::string)> message;
+        std::function<void(Page&, std::string)> bytes{};  ///< a binary message; without this, all must be text
         std::function<void(Page&)> closed;
         std::function<bool()> tick;  ///< every tick_pause; false ends run()
     };
     static constexpr std::chrono::milliseconds tick_pause{50};
-    static constexpr std::size_t most_connections = 32, most_pages = 8;
+    static constexpr std::size_t most_connections = 32;
+    struct Limits {
+        std::size_t pages = 8;
+        std::size_t message_bytes = most_message_bytes;
+        std::chrono::seconds silence{20};  ///< of a page that answers no ping, until it has gone
+    };
     /// Clients that have not yet shown a token: the one that came first makes room. They are not among
     /// most_connections. All clients are on this machine, so that this is also the most of one peer.
     static constexpr std::size_t most_strangers = 64;
 
-    /// Listens from now on. @param port  0: usual_port, or one that is free
-    /// @throws Error{failed} when the port is taken
-    explicit Server(std::uint16_t port);
+    /// Listens from now on. @param ports  of which the first is taken that is free; 0 is any that is free
+    /// @param setting  that says the port
+    /// @throws Error{bad_argument} when none is
+    Server(std::initializer_list<std::uint16_t> ports, const char* setting, const Limits& limits);
     ~Server();
 
     [[nodiscard]] std::uint16_t port() const;
@@ -71,4 +76,4 @@ private:
     std::unique_ptr<Inside> inside_;
 };
 
-}  // namespace haptogram::studio
+}  // namespace haptogram::serve

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-namespace haptogram::studio {
+namespace haptogram::serve {
 
 Answer error_answer(unsigned status, const std::string& message) {
     const nlohmann::json answer{{"error", {{"message", message}}}};
@@ -37,4 +37,4 @@ std::optional<std::string> query_value(std::string_view query, std::string_view 
     return {};
 }
 
-}  // namespace haptogram::studio
+}  // namespace haptogram::serve
