@@ -131,8 +131,8 @@ def python(header):
              "from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p",
              "from typing import Any", "", f"ABI = {header.abi}"]
     for name, members in header.structs.items():
-        lines += ["", "", f"class {camel(name)}(Structure):", "    _fields_ = ["]
-        lines += [f'        ("{p.name}", {python_type(p, header.structs)}),' for p in members] + ["    ]"]
+        typed = (f'("{p.name}", {python_type(p, header.structs)})' for p in members)
+        lines += ["", "", f"class {camel(name)}(Structure):", f"    _fields_ = [{', '.join(typed)}]"]
     lines += ["", "", "# What each returns, and what it is given.", "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {"]
     for name, (returns, given) in header.functions.items():
         lines.append(f'    "{name}": ({python_type(returns, header.structs)}, [{", ".join(python_type(p, header.structs) for p in given)}]),')
