@@ -94,7 +94,7 @@ PYTHON = {
 
 
 def python_page() -> str:
-    """Names that the package exports, as mkdocstrings reads them in its sources, and the native module below it."""
+    """Names that the package exports, as mkdocstrings reads them in its sources, and what they stand on below."""
     page = "# Python\n\n[How to use it](../python/README.md). Names are of the package `haptogram`: `haptogram.compile`.\n\n"
     for title, names in PYTHON.items():
         page += f"## {title}\n\n" + "".join(f"::: haptogram.{name}\n\n" for name in names)
