@@ -470,9 +470,10 @@ haptogram_code haptogram_solve(const char* array, const haptogram_focus* foci, s
 
 haptogram_code haptogram_compile_rig(const haptogram_project* project, const char* rig, const char* manifest_file) {
     return guarded([&] {
+        const haptogram_project given = known_part(project, "project");
         const std::string manifest = required_text(manifest_file, "manifest_file");
-        haptogram::write_files(files_of(
-            compile_rig(project_for(known_part(project, "project")), required_text(rig, "rig"), manifest).bundle));
+        haptogram::write_files(
+            files_of(compile_rig(project_for(given), required_text(rig, "rig"), manifest, until(given.cancel)).bundle));
     });
 }
 
