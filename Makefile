@@ -150,7 +150,7 @@ figures: build ## the papers' figures, computed, beside the papers' numbers: bui
 docs: ## the site of all pages, with its reference, in build/site; dead links and warnings are errors
 	@$(call need,doxygen mkdocs,dev )
 	@$(call configure,$(PRESET))
-	@cmake --build --preset $(PRESET) --target haptogram haptogram_native_module
+	@cmake --build --preset $(PRESET) --target haptogram haptogram_c
 	@$(PYTHON) tools/docs.py --build $(BUILD)
 
 # The engine is built where Emscripten is alone, so that all else needs none.

@@ -21,7 +21,7 @@ if(HAPTOGRAM_TESTS)
     cobs "PyPI's cobs" pyslang "PyPI's pyslang" setuptools python3-setuptools wheel python3-wheel matplotlib python3-matplotlib
     scipy python3-scipy pandas python3-pandas statsmodels python3-statsmodels)
 endif()
-if(HAPTOGRAM_TESTS AND HAPTOGRAM_PROGRAM AND HAPTOGRAM_PYTHON_MODULE)
+if(HAPTOGRAM_TESTS AND HAPTOGRAM_PROGRAM AND HAPTOGRAM_C)
   haptogram_need_modules(nbclient python3-nbclient ipykernel python3-ipykernel distributed "PyPI's distributed" pyarrow "PyPI's pyarrow")
 endif()
 if(HAPTOGRAM_DEEP_TESTS)

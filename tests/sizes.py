@@ -39,7 +39,7 @@ class Counter:
 
 
 def of_pytest(build):
-    os.environ["PYTHONPATH"] = str(build / "python/native")
+    os.environ["PYTHONPATH"] = str(HERE.parent / "python")
     sys.path.insert(0, os.environ["PYTHONPATH"])
     counter = Counter()
     code = pytest.main(["--collect-only", "-qq", "--rootdir", str(HERE.parent), *(str(HERE / suite) for suite in PYTEST)], plugins=[counter, Silence()])

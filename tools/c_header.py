@@ -80,7 +80,17 @@ def csharp_type(p, structs, in_struct=False):
     return "IntPtr"
 
 
+def called_by_csharp(header):
+    """The functions that the sources beside the written file call, and the structs that those take."""
+    said = set(re.findall(r"\bhaptogram_\w+", "".join(file.read_text(encoding="utf-8") for file in CSHARP.parent.glob("*.cs") if file != CSHARP)))
+    functions = {name: function for name, function in header.functions.items() if name in said}
+    taken = {p.type for _, given in functions.values() for p in given}
+    taken |= {p.type for name in taken & set(header.structs) for p in header.structs[name]}
+    return functions, {name: members for name, members in header.structs.items() if name in taken}
+
+
 def csharp(header):
+    functions, structs = called_by_csharp(header)
     lines = ["// SPDX-License-Identifier: Apache-2.0", "// Written by tools/c_header.py from host/c/haptogram.h.", "using System;",
              "using System.Runtime.InteropServices;", "", "namespace Haptogram", "{"]
     for name, values in header.enums.items():
@@ -88,12 +98,12 @@ def csharp(header):
         lines += [f"    public enum {camel(name)}", "    {"]
         lines += [f"        {camel(value.removeprefix(first).lower())} = {header.codes[value]}," for value in values]
         lines += ["    }", ""]
-    for name, members in header.structs.items():
+    for name, members in structs.items():
         lines += ["    [StructLayout(LayoutKind.Sequential)]", f"    internal struct Native{camel(name)}", "    {"]
         lines += [f"        public {csharp_type(p, header.structs, True)} {'@' * (p.name in KEYWORDS)}{p.name};" for p in members]
         lines += ["    }", ""]
     lines += ["    internal static class Native", "    {", f"        internal const int Abi = {header.abi};", '        private const string Library = "haptogram";']
-    for name, (returns, given) in header.functions.items():
+    for name, (returns, given) in functions.items():
         def taken(p, releases=name in RELEASES):
             return HANDLES[p.type] if p.type in HANDLES and p.stars == 1 and not releases else csharp_type(p, header.structs)
 
@@ -121,8 +131,8 @@ def python(header):
              "from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p",
              "from typing import Any", "", f"ABI = {header.abi}"]
     for name, members in header.structs.items():
-        lines += ["", "", f"class {camel(name)}(Structure):", "    _fields_ = ["]
-        lines += [f'        ("{p.name}", {python_type(p, header.structs)}),' for p in members] + ["    ]"]
+        typed = (f'("{p.name}", {python_type(p, header.structs)})' for p in members)
+        lines += ["", "", f"class {camel(name)}(Structure):", f"    _fields_ = [{', '.join(typed)}]"]
     lines += ["", "", "# What each returns, and what it is given.", "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {"]
     for name, (returns, given) in header.functions.items():
         lines.append(f'    "{name}": ({python_type(returns, header.structs)}, [{", ".join(python_type(p, header.structs) for p in given)}]),')

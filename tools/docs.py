@@ -94,11 +94,11 @@ PYTHON = {
 
 
 def python_page() -> str:
-    """Names that the package exports, as mkdocstrings reads them in its sources, and the native module below it."""
+    """Names that the package exports, as mkdocstrings reads them in its sources, and what they stand on below."""
     page = "# Python\n\n[How to use it](../python/README.md). Names are of the package `haptogram`: `haptogram.compile`.\n\n"
     for title, names in PYTHON.items():
         page += f"## {title}\n\n" + "".join(f"::: haptogram.{name}\n\n" for name in names)
-    page += "## haptogram_native\n\nThe C++ libraries, which `haptogram` calls.\n\n::: haptogram_native._native\n"
+    page += "## haptogram.calls\n\nThe C++ library, on which the others stand.\n\n::: haptogram.calls\n"
     return page
 
 
@@ -113,7 +113,7 @@ def notebook_pages(stage: Stage, build: Path) -> None:
     for path in notebooks.all_notebooks():
         print(f"docs: running {path.name}", file=sys.stderr)
         name = str(path.relative_to(ROOT))
-        text, pictures = notebooks.page(notebooks.run(path, build / "host/cli/haptogram", build / "python/native"), path.stem)
+        text, pictures = notebooks.page(notebooks.run(path, build / "host/cli/haptogram", build / "host/c/libhaptogram.so"), path.stem)
         for picture, content in pictures.items():
             (PAGES / name).parent.mkdir(parents=True, exist_ok=True)
             (PAGES / name).with_name(picture).write_bytes(content)
@@ -123,7 +123,7 @@ def notebook_pages(stage: Stage, build: Path) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=Path, default=ROOT / "build/release", help="what `make build` made: program and native module")
+    parser.add_argument("--build", type=Path, default=ROOT / "build/release", help="what `make build` made: program and library")
     build = parser.parse_args().build.resolve()
     shutil.rmtree(PAGES, ignore_errors=True)
     pages = links.tracked("*.md")
@@ -137,8 +137,7 @@ def main() -> int:
     if not cpp_pages():
         return 1
     mkdocs = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--clean", "-f", str(ROOT / "tools/docs/mkdocs.yml")]
-    environment = {**os.environ, "PYTHONPATH": str(build / "python/native")}
-    if subprocess.run(mkdocs, check=False, env=environment).returncode:
+    if subprocess.run(mkdocs, check=False).returncode:
         return 1
     dead = sorted(set(links.dead_in_site(SITE, without="reference/cpp")))
     for message in dead:

@@ -31,6 +31,8 @@ extern "C" {
 typedef struct haptogram_board haptogram_board; /* an open port */
 typedef struct haptogram_link haptogram_link;   /* a port that is asked by the protocol's own commands */
 typedef struct haptogram_image haptogram_image; /* the contents of a board's memories, and what they mean */
+typedef struct haptogram_array haptogram_array; /* transducers that play together, and the air in front of them; it never changes */
+typedef struct haptogram_result haptogram_result; /* what was computed: numbers, and JSON that says what they are */
 
 typedef enum haptogram_code {
     HAPTOGRAM_OK = 0,
@@ -38,7 +40,7 @@ typedef enum haptogram_code {
     HAPTOGRAM_BAD_ARGUMENT = 2, /* what the caller asked for makes no sense */
     HAPTOGRAM_BAD_INPUT = 3,    /* a file, a text, or an image that does not suit the board */
     HAPTOGRAM_DEVICE = 4,       /* the board, or the line to it */
-    HAPTOGRAM_CANCELLED = 5     /* the outputs were shut off, and with them this work */
+    HAPTOGRAM_CANCELLED = 5     /* the outputs were shut off, or this work was cancelled */
 } haptogram_code;
 
 HAPTOGRAM_API int32_t haptogram_abi(void);
@@ -53,11 +55,14 @@ HAPTOGRAM_API const char* haptogram_remedies(void);
 
 typedef struct haptogram_project {
     uint32_t size;
-    const char* toml;   /* the text of a project file; needed */
+    const char* toml;   /* the text of a project file; needed without `file` */
     const char* folder; /* where names in it begin; default: the working folder */
     const char* shape_name; /* the `file` of one of its shapes that is not read, because its bytes are here; default: none */
     const void* shape;
     size_t shape_bytes;
+    const char* name; /* of the text, for messages; default: "project" */
+    const char* file; /* a project file instead of the text */
+    const int32_t* cancel; /* the work ends as cancelled when another thread makes this other than 0; default: it does not */
 } haptogram_project;
 HAPTOGRAM_API haptogram_code haptogram_compile(const haptogram_project* project, haptogram_image** image);
 
@@ -104,6 +109,120 @@ HAPTOGRAM_API haptogram_code haptogram_pressure(const haptogram_image* image, ui
    of the program; NULL: that one. */
 HAPTOGRAM_API haptogram_code haptogram_solve(const char* array, const haptogram_focus* foci, size_t count, const char* method,
                                              double* drives, size_t* elements);
+
+/* Computing, for programs with arrays of numbers of their own. Nothing of theirs is copied but what is small. Drives are complex
+   source strengths, Pa m: a real and an imaginary part for each element. A focus is three coordinates. */
+
+/* Its JSON: the "type" of its numbers as numpy calls it, such as "complex64", their "shape", and what each function says. */
+HAPTOGRAM_API size_t haptogram_result_json(const haptogram_result* result, char* to, size_t room);
+/* Its numbers, the last axis fastest, for as long as the result is there; NULL when it has none. */
+HAPTOGRAM_API const void* haptogram_result_numbers(const haptogram_result* result);
+HAPTOGRAM_API void haptogram_free_result(haptogram_result* result);
+
+/* The shipped arrays, a name a line. */
+HAPTOGRAM_API size_t haptogram_array_names(char* to, size_t room);
+
+typedef struct haptogram_array_source {
+    uint32_t size;
+    const char* name;            /* an array file, or a shipped array; needed without `like` */
+    const haptogram_array* like; /* one that is there */
+    const char* transducer;      /* a transducer file, or a shipped one, in the place of its own */
+    const double* positions_m;   /* three coordinates of each element, in the place of its own elements */
+    const double* normals;       /* of each, of length 1; default: all face +z */
+    size_t elements;             /* in positions_m */
+    const double* seen_from;     /* its coordinates become those of a pose: an origin, and degrees about the fixed x, then y, then z axis */
+} haptogram_array_source;
+HAPTOGRAM_API haptogram_code haptogram_make_array(const haptogram_array_source* source, haptogram_array** array);
+
+typedef struct haptogram_posed_array {
+    const haptogram_array* array;
+    const double* pose; /* as seen_from has it */
+} haptogram_posed_array;
+/* Several as one: the elements of the first, then those of the second. */
+HAPTOGRAM_API haptogram_code haptogram_join(const haptogram_posed_array* arrays, size_t count, const char* name, haptogram_array** joined);
+/* JSON: name, elements, carrier_hz, wavelength_m, transducer, and level as haptogram_image_level has it. */
+HAPTOGRAM_API size_t haptogram_array_json(const haptogram_array* array, char* to, size_t room);
+/* Nine doubles of each element, for as long as the array is there: its position, its normal, the real and the imaginary part of its
+   response, and its weight. */
+HAPTOGRAM_API const void* haptogram_array_elements(const haptogram_array* array);
+/* Why a focus cannot be reached, in words; none when it can. */
+HAPTOGRAM_API size_t haptogram_unreachable(const haptogram_array* array, const double* focus_m, char* to, size_t room);
+HAPTOGRAM_API void haptogram_free_array(haptogram_array* array);
+
+/* Every focus that an image has, record by record: returns how many coordinates there are, and copies at most `room` of them. */
+HAPTOGRAM_API size_t haptogram_image_foci(const haptogram_image* image, double* to_m, size_t room);
+
+/* What plays: a file, an image, pulses, or an array that focuses. */
+typedef struct haptogram_source {
+    uint32_t size;
+    const char* file;     /* an image, a manifest, a project, a path or a shape */
+    const char* manifest; /* of the file, when it is not the one beside it; of the pulses */
+    const char* pulses;   /* that a simulation measured at the pins */
+    const haptogram_image* image;
+    const haptogram_array* array;
+    const double* focus_m; /* of the array, by exact phases at full strength */
+    uint32_t record;       /* this one alone; default: all in turn */
+    const int32_t* cancel; /* as a project has it */
+} haptogram_source;
+/* Sets × elements (complex128); JSON: the "weights" of the sets. */
+HAPTOGRAM_API haptogram_code haptogram_drives(const haptogram_source* source, haptogram_array** array, haptogram_result** drives);
+/* What each focus of a file or an image is like while it plays alone. JSON alone: a list for each number, and about all. */
+HAPTOGRAM_API haptogram_code haptogram_analyze(const haptogram_source* source, double least_force_n, haptogram_result** analysis);
+/* The same of a focus that drives make, one for each element. core: a board or a configuration, whose time to load a record counts. */
+HAPTOGRAM_API haptogram_code haptogram_analyze_focus(const haptogram_array* array, const double* drives, size_t elements, const double* focus_m,
+                                                     const char* core, haptogram_result** analysis);
+
+typedef struct haptogram_field {
+    uint32_t size;
+    const char* quantity; /* needed. In a region: "radiation" and the others of the program. At points: "complex" (pressure, Pa), "gradient"
+                             (of it, Pa/m) or "mean_square" (Pa²). On axes: "complex", "mean_square", or "workspace", which needs no drives: the
+                             pressure amplitude of a lone focus at each point, Pa; NaN out of reach */
+    const haptogram_array* array;
+    const double* drives; /* sets, one after the other */
+    size_t sets;
+    size_t elements;       /* drives of a set */
+    const double* weights; /* of each set, its share of the time; default: all alike */
+    const double* points_m; /* three coordinates each */
+    size_t points;
+    const double* x_m; /* straight axes; with a region from and to, where it does not spread by extent_m */
+    const double* y_m;
+    const double* z_m;
+    size_t x_count;
+    size_t y_count;
+    size_t z_count;
+    const char* region; /* "xy@z=130" and the others of the program, millimetres and degrees */
+    const char* region_name; /* "line", "plane" or "volume", for messages; default: "region" */
+    double extent_m;         /* of a region; needed there */
+    double step_m;           /* between its points; needed there */
+    double interpolation_error; /* on axes: how far |p| may be off, of the largest that the drives could make; default: nothing is interpolated */
+    double pattern_error; /* how far a polynomial may be off a measured pattern, of the amplitude on the axis; default: none is taken */
+    uint32_t threads;     /* default: one for each processor */
+    const int32_t* cancel; /* as a project has it */
+} haptogram_field;
+/* Values at points, or z × y × x (float32 or complex64). JSON: on axes and regions method, error and pattern_error; of a region also quantity,
+   x_m, y_m, z_m, and of an oblique plane its pose: an origin and three axes. */
+HAPTOGRAM_API haptogram_code haptogram_compute_field(const haptogram_field* field, haptogram_result** values);
+/* The bytes (uint8) of the program's file of a region's field; format: "npy" or "csv". */
+HAPTOGRAM_API haptogram_code haptogram_field_file(const haptogram_result* field, const char* format, haptogram_result** bytes);
+
+/* Several foci at the same time. */
+typedef struct haptogram_foci {
+    uint32_t size;
+    const haptogram_array* array;
+    const haptogram_focus* foci;
+    size_t count;
+    const char* method; /* as haptogram_solve has it */
+    const char* level;  /* what amplitudes are fractions of: "reachable", the most that the array can make there, or "pressure", one for all;
+                           default: "reachable" */
+    int32_t vary_amplitudes; /* not 0: drives may differ in amplitude, too */
+    int32_t rounds;       /* of an iterating method; default: 10 of gauss-newton, 100 of others; −1: none */
+    const double* drives; /* 1 at full strength: with which solving begins, by default none, or whose quality is asked */
+    size_t elements;      /* drives */
+} haptogram_foci;
+/* Drives, 1 at full strength, one for each element (complex128). */
+HAPTOGRAM_API haptogram_code haptogram_solve_foci(const haptogram_foci* foci, haptogram_result** drives);
+/* How good the foci are that drives make. JSON alone: pressure_pa of each, spread, least_over_mean, efficiency, null_share. */
+HAPTOGRAM_API haptogram_code haptogram_quality(const haptogram_foci* foci, haptogram_result** quality);
 
 /* Boards. */
 

@@ -23,7 +23,6 @@
 #include <utility>
 #include <vector>
 
-#include "haptogram.h"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -39,6 +38,7 @@
 #include "haptogram/verbs/pattern.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "haptogram/verbs/timeline.hpp"
+#include "inside.hpp"
 #include "reference_port.hpp"
 #ifndef _WIN32
 #include <unistd.h>
@@ -54,15 +54,8 @@
 #include "haptogram/hand/project.hpp"
 #endif
 
+using namespace haptogram::c;
 using haptogram::bad_argument;
-using haptogram::Error;
-using haptogram::ErrorCode;
-using haptogram::Vec3;
-
-struct haptogram_image {
-    haptogram::Bundle bundle;
-    std::string manifest, warnings;
-};
 
 /// A name, and no more: its place in memory is never given away again, so that one that was closed is known as that.
 struct haptogram_board {};
@@ -153,49 +146,6 @@ private:
 #endif
 };
 
-thread_local std::string last_error, last_place, last_remedies;
-
-haptogram_code code_of(ErrorCode code) {
-    switch (code) {
-        case ErrorCode::failed: return HAPTOGRAM_FAILED;
-        case ErrorCode::bad_argument: return HAPTOGRAM_BAD_ARGUMENT;
-        case ErrorCode::bad_input: return HAPTOGRAM_BAD_INPUT;
-        case ErrorCode::device: return HAPTOGRAM_DEVICE;
-        case ErrorCode::cancelled: return HAPTOGRAM_CANCELLED;
-    }
-    return HAPTOGRAM_FAILED;
-}
-
-/// Does some work, and keeps what it throws for haptogram_error().
-template <class Work>
-haptogram_code guarded(const Work& work) noexcept {
-    try {
-        last_error.clear();
-        last_place.clear();
-        last_remedies.clear();
-        work();
-        return HAPTOGRAM_OK;
-    } catch (const Error& error) {
-        last_error = error.what();
-        last_place = error.where();
-        last_remedies = fmt::format("{}", fmt::join(error.remedies(), ","));
-        return code_of(error.code());
-    } catch (const std::exception& error) {
-        last_error = error.what();
-    } catch (...) {
-        last_error = "an unknown exception";
-    }
-    return HAPTOGRAM_FAILED;
-}
-
-template <class T>
-T& required(T* given, const char* name) {
-    if (given == nullptr) throw bad_argument(name, "is NULL");
-    return *given;
-}
-
-const char* required_text(const char* given, const char* name) { return &required(given, name); }
-
 /// For what a rig cannot do.
 std::shared_ptr<haptogram::link::BackgroundPlayer> alone(const haptogram_board* board, const char* what) {
     const std::shared_ptr<Opened> opened = Boards::all().find(board);
@@ -213,17 +163,6 @@ void with(haptogram_board* board, const Work& work) {
         work(*opened->rig);
 }
 
-/// A struct as its caller knows it: what a later version appended is zero.
-template <class Struct>
-Struct known_part(const Struct* given, const char* name) {
-    Struct known{};
-    const std::uint32_t size = required(given, name).size;
-    if (size < sizeof size)
-        throw bad_argument(name, fmt::format("its size is {}; set it to sizeof of the struct", size));
-    std::memcpy(&known, given, std::min<std::size_t>(size, sizeof known));
-    return known;
-}
-
 /// Fills a caller's struct, no more of it than the caller has.
 template <class Struct>
 void give(Struct* to, Struct filled, const char* name) {
@@ -234,11 +173,6 @@ void give(Struct* to, Struct filled, const char* name) {
     std::memcpy(to, &filled, std::min<std::size_t>(size, sizeof filled));
 }
 
-std::size_t copy(const std::string& text, char* to, std::size_t room) {
-    if (to != nullptr) std::memcpy(to, text.data(), std::min(room, text.size()));
-    return text.size();
-}
-
 haptogram_image* image_of(haptogram::Bundle bundle, const std::vector<std::string>& warnings) {
     auto image = std::make_unique<haptogram_image>();
     image->manifest = to_text(bundle.manifest);
@@ -246,8 +180,6 @@ haptogram_image* image_of(haptogram::Bundle bundle, const std::vector<std::strin
     image->warnings = fmt::format("{}", fmt::join(warnings, "\n"));
     return image.release();
 }
-
-haptogram::Focus focus_of(const haptogram_focus& given) { return {{given.x_m, given.y_m, given.z_m}, given.amplitude}; }
 
 haptogram::ProjectInstrument instrument_for(const haptogram_path& path) {
     haptogram::Project project;
@@ -265,19 +197,11 @@ haptogram::ShapeSource& shape_in(haptogram::Project& project, const haptogram_pr
 }
 
 haptogram::Project project_for(const haptogram_project& given) {
-    haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
-    wanted.makers.of_pattern = haptogram::path_of_pattern;
-#if defined(HAPTOGRAM_HAS_HAND)
-    wanted.makers = haptogram::path_makers();
-#elif defined(HAPTOGRAM_HAS_PERCEPTION)
-    wanted.makers.of_magnitude = [](haptogram::Path& path, const haptogram::Project& project,
-                                    const haptogram::Array& array) {
-        return haptogram::perception::give_magnitude(path, project, array);
-    };
-#endif
-#ifdef HAPTOGRAM_HAS_FORMATS
-    wanted.makers.readers = haptogram::formats::readers();
-#endif
+    const char* const name = given.name != nullptr ? given.name : "project";
+    haptogram::Project wanted = given.file != nullptr
+                                    ? haptogram::load_project(given.file)
+                                    : haptogram::project_from_toml(required_text(given.toml, "toml"), name);
+    wanted.makers = makers();
     if (given.folder != nullptr) wanted.folder = given.folder;
     if (given.shape != nullptr)
         shape_in(wanted, given).content = std::string(static_cast<const char*>(given.shape), given.shape_bytes);
@@ -295,13 +219,6 @@ haptogram::Path path_for(const haptogram_path& given) {
         for (std::size_t k = i * each; k < (i + 1) * each; ++k) step.foci.push_back(focus_of(foci[k]));
     }
     return path;
-}
-
-std::vector<Vec3> points_of(const double* numbers, std::size_t count) {
-    const double* const xyz = &required(numbers, "points_m");
-    std::vector<Vec3> points;
-    for (std::size_t i = 0; i < count; ++i) points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
-    return points;
 }
 
 void require_time(const char* name, double seconds) {
@@ -419,6 +336,43 @@ haptogram_status status_of(const std::vector<std::optional<haptogram::link::Stat
 
 }  // namespace
 
+namespace haptogram::c {
+
+haptogram_code code_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::failed: return HAPTOGRAM_FAILED;
+        case ErrorCode::bad_argument: return HAPTOGRAM_BAD_ARGUMENT;
+        case ErrorCode::bad_input: return HAPTOGRAM_BAD_INPUT;
+        case ErrorCode::device: return HAPTOGRAM_DEVICE;
+        case ErrorCode::cancelled: return HAPTOGRAM_CANCELLED;
+    }
+    return HAPTOGRAM_FAILED;
+}
+
+PathMakers makers() {
+    PathMakers made{.of_pattern = path_of_pattern};
+#if defined(HAPTOGRAM_HAS_HAND)
+    made = path_makers();
+#elif defined(HAPTOGRAM_HAS_PERCEPTION)
+    made.of_magnitude = [](Path& path, const Project& project, const Array& array) {
+        return perception::give_magnitude(path, project, array);
+    };
+#endif
+#ifdef HAPTOGRAM_HAS_FORMATS
+    made.readers = formats::readers();
+#endif
+    return made;
+}
+
+Progress until(const std::int32_t* cancel) {
+    if (cancel == nullptr) return {};
+    return Progress([cancel = static_cast<const volatile std::int32_t*>(cancel)](double, std::string_view) {
+        return *cancel == 0;  // which another thread writes, whole
+    });
+}
+
+}  // namespace haptogram::c
+
 extern "C" {
 
 int32_t haptogram_abi(void) { return HAPTOGRAM_ABI; }
@@ -436,7 +390,11 @@ haptogram_code haptogram_compile(const haptogram_project* project, haptogram_ima
     return guarded([&] {
         const haptogram_project given = known_part(project, "project");
         required(image, "image") = nullptr;
-        haptogram::Compiled compiled = haptogram::compile(project_for(given), "image");
+        haptogram::Compiled compiled = haptogram::compile(project_for(given),
+                                                          given.name != nullptr   ? given.name
+                                                          : given.file != nullptr ? given.file
+                                                                                  : "image",
+                                                          until(given.cancel));
         *image = image_of(std::move(compiled.bundle), compiled.warnings);
     });
 }
@@ -487,7 +445,7 @@ haptogram_code haptogram_pressure(const haptogram_image* image, uint32_t record,
         const haptogram::Excitation played = excitation_of(timeline_of(required(image, "image").bundle), record);
         double* const to = &required(pressure_pa, "pressure_pa");
         const std::vector<float> found =
-            mean_square_pressure_at(played.array, played.sequence(), points_of(points_m, points));
+            mean_square_pressure_at(played.array, played.sequence(), points_of(points_m, points, "points_m"));
         std::ranges::transform(found, to, [](float mean_square) { return std::sqrt(2.0 * mean_square); });
     });
 }
@@ -512,9 +470,10 @@ haptogram_code haptogram_solve(const char* array, const haptogram_focus* foci, s
 
 haptogram_code haptogram_compile_rig(const haptogram_project* project, const char* rig, const char* manifest_file) {
     return guarded([&] {
+        const haptogram_project given = known_part(project, "project");
         const std::string manifest = required_text(manifest_file, "manifest_file");
-        haptogram::write_files(files_of(
-            compile_rig(project_for(known_part(project, "project")), required_text(rig, "rig"), manifest).bundle));
+        haptogram::write_files(
+            files_of(compile_rig(project_for(given), required_text(rig, "rig"), manifest, until(given.cancel)).bundle));
     });
 }
 

@@ -19,7 +19,7 @@ Tell:   analyze(), feel(), simulate() -> Table
 Play:   Board, play(), stream(), PatternStream; simulated_board()
 
 Compiled, Field, Drives and Table go through np.asarray() and pickle; Field and Table have to_pandas() and to_xarray(), Field, Compiled and Array
-plot(). What goes wrong is a HaptogramError of one line. The computing half needs the whole wheel; without it this is the client of boards.
+plot(). What goes wrong is a HaptogramError of one line. The computing half needs numpy; without it this is the client of boards.
 """
 import importlib
 from importlib import metadata
@@ -55,7 +55,10 @@ def __getattr__(name: str) -> Any:
     """The computing half is imported, and numpy with it, when it is first used."""
     if name not in _OF_RESULTS | _OF_COMPUTING:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(".results" if name in _OF_RESULTS else ".computing", __name__), name)
+    try:
+        value = getattr(importlib.import_module(".results" if name in _OF_RESULTS else ".computing", __name__), name)
+    except ImportError as error:
+        raise HaptogramError(ErrorCode.RUN_FAILED, error.name or name, "is not installed, and the computing half needs it; pip install numpy") from error
     globals()[name] = value
     return value
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From shapes to images, sound fields and what is felt, on numpy. Lengths are metres in the array's frame; drives are complex peak amplitudes in Pa m.
 
-The C++ libraries compute everything: haptogram_native, or for feel() and simulate() the program. Both are in the wheel."""
+The C++ library computes everything, or for feel() and simulate() the program. Both are in the wheel."""
 from __future__ import annotations
 
 import contextlib
@@ -19,11 +19,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from . import calls, pictures
 from .errors import ErrorCode, HaptogramError, bad_input
 from .image import Image
 from .metres import FileName, Numbers, is_file, kind, metres, millimetres, mm, numbers, points_of, toml_file
 from .program import find_program
-from .results import Field, Table, native_half, pictures, usage
+from .results import Field, Table, usage
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,13 +42,9 @@ def _work() -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="haptogram-") as name:
         try:
             yield Path(name)
-        except HaptogramError:
-            raise
-        except Exception as error:
-            if type(error).__module__ != "haptogram_native.errors":
-                raise
-            where, message = (_one_line(str(text).replace(f"{name}/", "")) for text in (error.where, error.message))  # type: ignore[attr-defined]
-            raise HaptogramError(ErrorCode(error.code), where, message) from None  # type: ignore[attr-defined]
+        except HaptogramError as error:
+            where, message = (_one_line(text.replace(f"{name}/", "")) for text in (error.where, error.message))
+            raise HaptogramError(error.code, where, message, error.remedies) from None
 
 
 def _one_line(message: str) -> str:
@@ -97,9 +94,8 @@ class Array:
         else:
             raise usage("Array", f"expected a name, a file, or what compile() gave, found {kind(source)}")
         with _work() as folder:
-            native = native_half()
-            self.native = (native.Excitation.of_image(self._source.write_to(folder)).array if isinstance(self._source, Compiled)
-                           else native.Array.find(self.file_in(folder)))  # fmt: skip
+            self.native = (calls.Excitation.of_image(self._source.write_to(folder)).array if isinstance(self._source, Compiled)
+                           else calls.Array.find(self.file_in(folder)))  # fmt: skip
 
     def file_in(self, folder: Path) -> str:
         """Its name, or a file that describes it."""
@@ -120,48 +116,48 @@ class Array:
     @property
     def positions_m(self) -> Numbers:
         """Elements × 3: a read-only view."""
-        return self.native.positions_m  # type: ignore[no-any-return]
+        return self.native.positions_m
 
     @property
     def normals(self) -> Numbers:
         """Elements × 3, of length 1: a read-only view."""
-        return self.native.normals  # type: ignore[no-any-return]
+        return self.native.normals
 
     @property
     def name(self) -> str:
-        return str(self.native.name)
+        return self.native.name
 
     @property
     def carrier_hz(self) -> float:
-        return float(self.native.carrier_hz)
+        return self.native.carrier_hz
 
     @property
     def wavelength_m(self) -> float:
-        return float(self.native.wavelength_m)
+        return self.native.wavelength_m
 
     @property
     def transducer(self) -> str:
         """The kind of its transducers."""
-        return str(self.native.transducer)
+        return self.native.transducer
 
     @property
     def level(self) -> str:
         """What pressures and forces rest on, in a sentence that begins with nominal or calibrated."""
-        return str(self.native.level)
+        return self.native.level
 
     @property
     def full_pa_m(self) -> float:
         """Amplitude of a drive at full strength, Pa m."""
-        return float(f"{np.abs(native_half().ideal_drives(self.native, (0.0, 0.0, 1.0))).max():.12g}")
+        return float(f"{np.abs(calls.ideal_drives(self.native, (0.0, 0.0, 1.0))).max():.12g}")
 
     def unreachable(self, focus_m: npt.ArrayLike) -> str:
         """Why a focal point cannot be reached, in words; empty when it can."""
         (point,) = points_of("focus_m", focus_m)
-        return str(self.native.unreachable(point))
+        return self.native.unreachable(point)
 
     def plot(self, ax: Axes | None = None, **options: Any) -> Axes:
         """The elements as the hand sees them. Options are those of matplotlib's plot."""
-        return pictures().array_plot(self, ax, **options)
+        return pictures.array_plot(self, ax, **options)
 
     def __reduce__(self) -> tuple[Callable[..., Array], tuple[Any, ...]]:
         return _array_again, (self._source,)
@@ -209,7 +205,7 @@ class Compiled:
 
     def plot(self, ax: Axes | None = None, **options: Any) -> Axes:
         """The focal points in space, coloured in the order in which they play. Options are those of matplotlib's scatter."""
-        return pictures().compiled_plot(self, ax, **options)
+        return pictures.compiled_plot(self, ax, **options)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Numbers:
         found = self.foci_m if dtype is None else self.foci_m.astype(dtype, copy=False)
@@ -261,7 +257,7 @@ def _array_again(source: str | Compiled | dict[str, Any]) -> Array:
     again = Array.__new__(Array)
     again._source = source
     with _work() as folder:
-        again.native = native_half().Array.find(again.file_in(folder))
+        again.native = calls.Array.find(again.file_in(folder))
     return again
 
 
@@ -278,7 +274,7 @@ def _array(given: object) -> Array:
 
 def array_names() -> list[str]:
     """The shipped arrays."""
-    return list(native_half().array_names())
+    return calls.array_names()
 
 
 # ---- what a user asks for
@@ -365,7 +361,6 @@ def compile(*, points_m: npt.ArrayLike | None = None, times_s: npt.ArrayLike | N
             raise usage(name, f"lengths are metres: did you mean {name[:-1]}?")
     folder = Path.cwd()
     with _work() as work:
-        native = native_half()
         own = {name: settings.pop(name) for name in OF_A_SHAPE if name in settings} if shape is not None else {}
         where = {name: settings.pop(name) for name in OF_THE_PLACE if name in settings} if shape is not None or points_m is not None else {}
         if board is not None:
@@ -376,7 +371,7 @@ def compile(*, points_m: npt.ArrayLike | None = None, times_s: npt.ArrayLike | N
             settings["place"] = {**settings.get("place", {}), **where}
         if project is not None:
             if isinstance(project, str | os.PathLike) and not settings:
-                return _compiled(native.compile_project(str(project)))
+                return _compiled(calls.compile_project(str(project)))
             table, folder = _project(project, settings)
         elif points_m is not None:
             table = {**_written_points(work, points_m, times_s, intensity), **settings}
@@ -388,10 +383,10 @@ def compile(*, points_m: npt.ArrayLike | None = None, times_s: npt.ArrayLike | N
         else:
             table = {**settings, "path": str(Path(path).resolve())}  # type: ignore[arg-type]  # as `given` says
         text = toml_file("project", {"format": "haptogram-project-1", **millimetres("", table)})
-        return _compiled(native.compile_text(text, folder, "project"))
+        return _compiled(calls.compile_text(text, folder, "project"))
 
 
-def _compiled(made: Any) -> Compiled:
+def _compiled(made: calls.Compiled) -> Compiled:
     return Compiled(made.hex, made.manifest, made.foci_m, made.rate_hz, tuple(made.warnings))
 
 
@@ -404,9 +399,9 @@ def _one_focus(focus_m: npt.ArrayLike | None) -> Numbers:
     return foci[0]  # type: ignore[no-any-return]
 
 
-def _excitation(source: Source, focus_m: npt.ArrayLike | None, record: int, work: Path) -> Any:
-    """What makes the sound, for haptogram_native."""
-    kinds = native_half().Excitation
+def _excitation(source: Source, focus_m: npt.ArrayLike | None, record: int, work: Path) -> calls.Excitation:
+    """What makes the sound."""
+    kinds = calls.Excitation
     if isinstance(source, Array):
         return kinds.of_focus(source.native, _one_focus(focus_m))
     if focus_m is not None:
@@ -427,7 +422,7 @@ def _image(source: object, work: Path) -> str:
 
 
 def _region(x_m: Any, y_m: Any, z_m: Any, center_m: Any, rotate_deg: Any, normal: Any, volume: bool) -> dict[str, Any]:
-    """The region of haptogram_native.field(): texts in millimetres, and ranges in metres."""
+    """The region of calls.field(): texts in millimetres, and ranges in metres."""
     fixed, ranges = {}, {}
     for name, given in (("x_m", x_m), ("y_m", y_m), ("z_m", z_m)):
         if given is None:
@@ -480,17 +475,13 @@ def field(source: Source, *, focus_m: npt.ArrayLike | None = None, record: int =
     Returns a Field.
     """
     region = _region(x_m, y_m, z_m, center_m, rotate_deg, normal, volume)
-    sizes = {"extent_m": float(metres("extent_m", extent_m)), "step_m": float(metres("step_m", step_m))}
+    sizes: dict[str, Any] = {"extent_m": float(metres("extent_m", extent_m)), "step_m": float(metres("step_m", step_m))}
     with _work() as work:
         excitation = _excitation(source, focus_m, record, work)
-        found = native_half().field(excitation, **region, **sizes, quantity=quantity, threads=threads)
-        oblique = None if center_m is None else np.array([found.point_m(index) for index in range(found.values.size)])
-        return Field(found.values.squeeze(), found.x_m, found.y_m, found.z_m, found.quantity, _label(found.quantity), found.method, found.error,
+        found = calls.field(excitation, **region, **sizes, quantity=quantity, threads=threads)
+        oblique = None if center_m is None else found.point_m(np.arange(found.values.size))
+        return Field(found.values.squeeze(), found.x_m, found.y_m, found.z_m, found.quantity, pictures.LABELS[found.quantity], found.method, found.error,
                      excitation.array.level, oblique)  # fmt: skip
-
-
-def _label(quantity: str) -> str:
-    return str(pictures().LABELS[quantity])
 
 
 def workspace(array: Array | FileName, *, x_m: npt.ArrayLike, y_m: npt.ArrayLike, z_m: npt.ArrayLike) -> Field:
@@ -501,8 +492,8 @@ def workspace(array: Array | FileName, *, x_m: npt.ArrayLike, y_m: npt.ArrayLike
     x, y, z = (np.atleast_1d(metres(name, axis)) for name, axis in (("x_m", x_m), ("y_m", y_m), ("z_m", z_m)))
     known = _array(array)
     with _work():
-        values = native_half().workspace(known.native, x, y, z)
-    return Field(values.squeeze(), x, y, z, "pressure_pa", _label("pressure_pa"), "sums", 0.0, known.level)
+        values = calls.workspace(known.native, x, y, z)
+    return Field(values.squeeze(), x, y, z, "pressure_pa", pictures.LABELS["pressure_pa"], "sums", 0.0, known.level)
 
 
 def pressure(source: Array | Drives, points_m: npt.ArrayLike, *, focus_m: npt.ArrayLike | None = None, threads: int = 0) -> npt.NDArray[np.complex64]:
@@ -517,7 +508,7 @@ def pressure(source: Array | Drives, points_m: npt.ArrayLike, *, focus_m: npt.Ar
         excitation = _excitation(source, focus_m, 0, work)
         if len(excitation.drives) != 1:
             raise usage("source", f"found {len(excitation.drives)} sets of drives, expected one")
-        return native_half().pressure(excitation.array, excitation.drives[0], points, threads=threads)  # type: ignore[no-any-return]
+        return calls.pressure(excitation.array, excitation.drives[0], points, threads=threads)
 
 
 def _sets(foci_m: Any, amplitudes: Any) -> list[tuple[Numbers, Numbers]]:
@@ -568,12 +559,12 @@ def solve(source: Array | FileName | Compiled, foci_m: npt.ArrayLike | None = No
         raise usage("foci_m", "give the foci, n × 3 in metres")
     else:
         sets = _sets(foci_m, amplitudes)
-    native, found, tables = native_half(), [], []
+    found, tables = [], []
     with _work():
         for places, strengths in sets:
-            drives = native.solve(array.native, places, strengths, method=method, vary_amplitudes=vary_amplitudes, level=level, rounds=rounds)
+            drives = calls.solve(array.native, places, strengths, method=method, vary_amplitudes=vary_amplitudes, level=level, rounds=rounds)
             found.append(drives * array.full_pa_m)
-            tables.append(native.quality(array.native, places, drives, strengths, level=level))
+            tables.append(calls.quality(array.native, places, drives, strengths, level=level))
     alone = foci_m is not None and np.ndim(foci_m) < 3
     columns = {
         "set": np.repeat(np.arange(len(sets)), [len(places) for places, _ in sets]),
@@ -596,13 +587,12 @@ def analyze(source: Source, *, focus_m: npt.ArrayLike | None = None, least_force
     radiation pressure), side_lobe (over the peak), force_n (on a disc of 20 mm), formation_s. Of what plays also dwell_cycles and dwell_needed_cycles, and
     about it all highest_db (dB SPL on the axis: a model, no certification), pressure_left_least (by the transducers' bandwidth), level and warnings.
     """
-    native = native_half()
     names = ["foci_m", "pressure_pa", "radiation_pa", "width_m", "depth_m", "side_lobe", "force_n", "formation_s"]
     with _work() as work:
         if not isinstance(source, Array | Drives):
             if focus_m is not None:
                 raise usage("focus_m", "is of an Array, which can focus anywhere")
-            all_ = native.analyze(_image(source, work), least_force_n)
+            all_ = calls.analyze(_image(source, work), least_force_n)
             columns = {name: getattr(all_, name) for name in [*names, "dwell_cycles", "dwell_needed_cycles"]}
             return Table("focus", columns, {name: getattr(all_, name) for name in ("highest_db", "pressure_left_least", "level", "warnings")})
         excitation = _excitation(source, focus_m, 0, work)
@@ -612,7 +602,7 @@ def analyze(source: Source, *, focus_m: npt.ArrayLike | None = None, least_force
             raise usage("source", "expected Drives of one set from solve(), which know their foci")
         else:
             foci = source.foci.foci_m
-        each = [native.analyze_focus(excitation.array, excitation.drives[0], focus) for focus in foci]
+        each = [calls.analyze_focus(excitation.array, excitation.drives[0], focus) for focus in foci]
         rows = {name: np.array([getattr(one, name) for one in each]) for name in names[1:]}
         return Table("focus", {"foci_m": foci, **rows}, {"level": excitation.array.level})
 

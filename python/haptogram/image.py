@@ -179,7 +179,7 @@ class Image:
 
     @classmethod
     def from_bytes(cls, content: bytes, where: str = "image") -> "Image":
-        """The same of an Intel HEX file's content, such as `hex` of what haptogram_native has compiled; `where` is for messages."""
+        """The same of an Intel HEX file's content, such as `hex` of what was compiled; `where` is for messages."""
         image = _from_regions(hexfile.parse(content, where), where)
         image.require_playable(where)
         return image

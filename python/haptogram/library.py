@@ -46,8 +46,8 @@ def call(name: str, *given: object, place: Callable[[str], str] = str) -> None:
     """Calls haptogram_`name`. Raises the HaptogramError that it says, whose `where` is place() of the library's."""
     code = getattr(library(), f"haptogram_{name}")(*given)
     if code:
-        where, said = (getattr(library(), f"haptogram_{part}")().decode("utf-8", "backslashreplace") for part in ("error_place", "error"))
-        raise HaptogramError(CODES[code], place(where), said.removeprefix(f"{where}: "))
+        where, said, remedies = (getattr(library(), f"haptogram_{part}")().decode("utf-8", "backslashreplace") for part in ("error_place", "error", "remedies"))
+        raise HaptogramError(CODES[code], place(where), said.removeprefix(f"{where}: "), remedies.split(",") if remedies else ())
 
 
 def sized(struct: type[ctypes.Structure], **values: object) -> Any:

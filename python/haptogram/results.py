@@ -2,7 +2,6 @@
 """What the computing half gives: numpy arrays with their coordinates. Every result can be pickled."""
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from . import pictures
 from .errors import ErrorCode, HaptogramError
 
 if TYPE_CHECKING:
@@ -20,22 +20,6 @@ if TYPE_CHECKING:
 
 def usage(where: str, message: str) -> HaptogramError:
     return HaptogramError(ErrorCode.USAGE, where, message)
-
-
-def native_half() -> Any:
-    """haptogram_native. Raises HaptogramError that says what to install."""
-    try:
-        import haptogram_native
-    except ImportError as error:
-        raise HaptogramError(ErrorCode.RUN_FAILED, "haptogram_native", "the computing half is not installed, only the client of boards; pip install the "
-                             f"wheel, or put build/release/python/native of a checkout into PYTHONPATH ({error})") from error  # fmt: skip
-    return haptogram_native
-
-
-def pictures() -> Any:
-    """What draws, in haptogram_native."""
-    native_half()
-    return importlib.import_module("haptogram_native.pictures")
 
 
 def needed(module: str, package: str = "") -> Any:
@@ -114,7 +98,7 @@ class Field:
         ax: where to draw; a new figure without it.
         options: those of matplotlib's pcolormesh (vmin, vmax, cmap, …) or plot (color, label, …), and title and colorbar (True)
         """
-        return pictures().field_plot(self, ax, **options)
+        return pictures.field_plot(self, ax, **options)
 
     def __repr__(self) -> str:
         points, most = " × ".join(map(str, self.values.shape)), np.nanmax(np.abs(self.values))

@@ -27,7 +27,7 @@ class Haptogram:
             function.restype, function.argtypes = returns, given
             setattr(self, name.removeprefix("haptogram_"), function)
 
-    def struct(self, name, **values):
+    def struct(self, name, /, **values):
         if name == "playing":
             values.setdefault("watchdog_ms", 60000)  # which lets a busy machine pause
         made = self.structs[f"haptogram_{name}"](**values)

@@ -13,7 +13,7 @@ SBOM = pathlib.Path(__file__).resolve().parents[2] / "tools/sbom.py"
 
 
 def noticed(tmp_path, *libraries):
-    wheel = tmp_path / "haptogram-0.1.0-cp311-cp311-manylinux_2_35_x86_64.whl"
+    wheel = tmp_path / "haptogram-0.1.0-py3-none-manylinux_2_35_x86_64.whl"
     with zipfile.ZipFile(wheel, "w") as packed:
         packed.writestr("haptogram.libs/", "")  # as auditwheel packs it
         for library in libraries:

@@ -131,11 +131,11 @@ def studio_address(program):
 
 
 def test_the_runner_of_studies_drives_boards(package):
-    """By the library of its prefix."""
-    say = "from haptogram import library, Board; print(library.find_library(), Board.open('reference:tile-100').identity.channels)"
+    """By the library of its prefix, which also computes."""
+    say = "from haptogram import Array, Board, library; print(library.find_library(), Board.open('reference:tile-100').identity.channels, len(Array('tile-7x8')))"
     environment = {name: value for name, value in os.environ.items() if name != "HAPTOGRAM_LIBRARY"} | {"PYTHONPATH": str(package / "share/haptogram/python"), "PYTHONDONTWRITEBYTECODE": "1"}
     said = subprocess.run([sys.executable, "-c", say], env=environment, capture_output=True, text=True)
-    assert said.stdout.startswith(str(package)) and said.stdout.endswith("libhaptogram.so.1 100\n"), said
+    assert said.stdout.startswith(str(package)) and said.stdout.endswith("libhaptogram.so.1 100 56\n"), said
 
 
 def test_the_installed_studio_has_its_page(package, work):

@@ -8,6 +8,7 @@ from scipy.special import j1
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
+LIBRARY = Path(os.environ.get("HAPTOGRAM_LIBRARY", ROOT / "build/release/host/c/libhaptogram.so")).resolve()
 
 
 def waves(array, points, radius_m=4.5e-3):

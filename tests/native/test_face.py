@@ -16,7 +16,6 @@ import pytest
 from messages import refusal
 from pistons import PROGRAM, ROOT
 
-sys.path.insert(0, str(ROOT / "python"))
 matplotlib.use("Agg")
 import haptogram  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
@@ -368,9 +367,8 @@ def test_help_names_all_that_there_is():
 def test_without_the_computing_half_the_client_works(tmp_path):
     code = """
 import sys
-sys.modules["haptogram_native"] = None
+sys.modules["numpy"] = None
 import haptogram
-assert "numpy" not in sys.modules
 haptogram.Board, haptogram.Image, haptogram.play
 try:
     haptogram.compile(shape="circle")
@@ -378,7 +376,7 @@ except haptogram.HaptogramError as error:
     print(error)
 """
     done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": str(ROOT / "python")}, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300)
-    assert done.stdout.startswith("haptogram_native: ") and "pip install" in done.stdout and done.stdout.count("\n") == 1
+    assert done.stdout.startswith("numpy: ") and "pip install" in done.stdout and done.stdout.count("\n") == 1
 
 
 @pytest.mark.parametrize("module", ["pandas", "xarray"])

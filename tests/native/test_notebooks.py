@@ -4,17 +4,13 @@ import json
 import sys
 from pathlib import Path
 
-import haptogram_native
 import nbclient
 import nbformat
 import pytest
-from pistons import PROGRAM, ROOT
+from pistons import LIBRARY, PROGRAM, ROOT
 
 sys.path.insert(0, str(ROOT / "tools/docs"))
 import notebooks  # noqa: E402
-
-NATIVE = Path(haptogram_native.__file__).parents[1]
-
 
 LONG = "sweep"  # starts a cluster
 
@@ -25,7 +21,7 @@ def test_there_are_six():
 
 @pytest.mark.parametrize("path", [pytest.param(path, marks=pytest.mark.deep) if path.stem == LONG else path for path in notebooks.all_notebooks()], ids=lambda path: path.stem)
 def test_a_notebook_runs_and_every_picture_is_drawn(path):
-    ran = notebooks.run(path, PROGRAM, NATIVE)
+    ran = notebooks.run(path, PROGRAM, LIBRARY)
     code = [cell for cell in ran.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
     assert not any("!haptogram" in cell.source for cell in code)  # of which Jupyter does not say that it failed; %%sh does
@@ -44,4 +40,4 @@ def test_a_cell_that_fails_is_an_error(tmp_path):
     made = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("1 / 0")])
     nbformat.write(made, tmp_path / "made.ipynb")
     with pytest.raises(nbclient.exceptions.CellExecutionError, match="ZeroDivisionError"):
-        notebooks.run(tmp_path / "made.ipynb", PROGRAM, NATIVE)
+        notebooks.run(tmp_path / "made.ipynb", PROGRAM, LIBRARY)

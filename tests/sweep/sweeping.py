@@ -5,9 +5,8 @@ import pathlib
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-NATIVE = os.environ.get("PYTHONPATH") or str(ROOT / "build/release/python/native")
 # For the program, and for workers that a test starts itself.
-PYTHONPATH = os.pathsep.join([str(ROOT / "python"), str(ROOT / "extras/sweep"), *(os.path.abspath(part) for part in NATIVE.split(os.pathsep))])
+PYTHONPATH = os.pathsep.join([str(ROOT / "python"), str(ROOT / "extras/sweep")])
 sys.path[:0] = PYTHONPATH.split(os.pathsep)
 
 

@@ -28,7 +28,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=pathlib.Path, required=True)
     build = parser.parse_args().build.resolve()
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT / "python", ROOT / "extras/sweep", build / "python/native")))}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT / "python", ROOT / "extras/sweep")))}
     seconds, whole, rows = {}, {}, []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

@@ -30,7 +30,7 @@ def kernel(folder: Path) -> None:
     (folder / "kernel.json").write_text(json.dumps({"argv": command, "display_name": "Haptogram", "language": "python"}), encoding="utf-8")
 
 
-def run(notebook: Path, program: Path, native: Path) -> nbformat.NotebookNode:
+def run(notebook: Path, program: Path, library: Path) -> nbformat.NotebookNode:
     """The notebook with its outputs; raises CellExecutionError with what a cell printed when it failed."""
     with tempfile.TemporaryDirectory() as place:
         bin_, work = Path(place, "bin"), Path(place, "work")
@@ -38,7 +38,7 @@ def run(notebook: Path, program: Path, native: Path) -> nbformat.NotebookNode:
         work.mkdir()
         commands(bin_, program)
         kernel(Path(place, "kernels/haptogram"))
-        environment = {"PATH": f"{bin_}:{os.environ['PATH']}", "PYTHONPATH": f"{PACKAGES}:{native}", "JUPYTER_PATH": place}
+        environment = {"PATH": f"{bin_}:{os.environ['PATH']}", "PYTHONPATH": PACKAGES, "HAPTOGRAM_LIBRARY": str(library), "JUPYTER_PATH": place}
         client = NotebookClient(nbformat.read(notebook, as_version=4), timeout=120, kernel_name="haptogram", resources={"metadata": {"path": str(work)}})
         with mock.patch.dict(os.environ, environment):
             return client.execute()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One configuration to its numbers, through the native module. Runs on the workers, on one thread each."""
+"""One configuration to its numbers, through the library. Runs on the workers, on one thread each."""
 
 import contextlib
 import os
@@ -8,8 +8,9 @@ import tempfile
 from collections.abc import Iterator
 from typing import Any
 
-import haptogram_native as hn
 import numpy as np
+from haptogram import calls as hn
+from haptogram.errors import ErrorCode
 
 from .files import Files, looks_like_file, place
 from .plan import Configuration, library_digest
@@ -101,7 +102,7 @@ def _peak(excitation: hn.Excitation, table: dict[str, Any]) -> dict[str, float]:
 
 def measure(configuration: Configuration, quantities: list[str], tables: dict[str, dict[str, Any]], files: dict[str, Files]) -> dict[str, float]:
     """The quantities of a configuration.
-    @raises haptogram_native.HaptogramError when the libraries refuse it, such as a focus out of reach"""
+    @raises HaptogramError when the libraries refuse it, such as a focus out of reach"""
     wanted = set(quantities)
     with _folder(files) as folder:
         name = _array_file(configuration, folder)
@@ -119,7 +120,7 @@ def measure(configuration: Configuration, quantities: list[str], tables: dict[st
             for focus in foci:
                 why = array.unreachable(MM * np.asarray(focus, float))
                 if why:
-                    raise hn.BadArgument(2, "focus_mm", f"{focus}: {why}", [])
+                    raise hn.BadArgument(ErrorCode.USAGE, "focus_mm", f"{focus}: {why}")
             drives = hn.ideal_drives(array, MM * np.asarray(foci[0], float))
             if len(foci) > 1:
                 drives = np.abs(drives[0]) * hn.solve(array, MM * np.asarray(foci, float))
@@ -137,7 +138,7 @@ def measure_batch(
 ) -> list[dict[str, float] | str]:
     """What measure() gives for each, or why there is none. Refuses to work with other libraries than the client's."""
     if library != library_digest():
-        raise RuntimeError(f"the worker on {os.uname().nodename} has another haptogram_native than this machine; install the same there")
+        raise RuntimeError(f"the worker on {os.uname().nodename} has another libhaptogram than this machine; install the same there")
     found: list[dict[str, float] | str] = []
     for configuration, files in batch:
         try:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import haptogram_native
+from haptogram.library import find_library, library
 
 from .errors import SweepError, bad_input
 from .files import Files, gather, looks_like_file
@@ -106,10 +106,9 @@ class Plan:
 
 @functools.cache
 def library_digest() -> str:
-    """Of the compiled libraries: rows of other ones are not taken for the same."""
-    found = haptogram_native._native.__file__
-    assert found is not None
-    return hashlib.sha256(pathlib.Path(found).read_bytes()).hexdigest()
+    """Of the compiled library: rows of other ones are not taken for the same."""
+    found = pathlib.Path(find_library())
+    return hashlib.sha256(found.read_bytes() if found.exists() else library().haptogram_version()).hexdigest()  # the system's is known by its version
 
 
 def _values(where: str, key: str, given: Any) -> list[Any]:

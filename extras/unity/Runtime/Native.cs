@@ -34,6 +34,9 @@ namespace Haptogram
         public IntPtr shape_name;
         public IntPtr shape;
         public UIntPtr shape_bytes;
+        public IntPtr name;
+        public IntPtr file;
+        public IntPtr cancel;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -128,25 +131,6 @@ namespace Haptogram
         public double settle_s;
     }
 
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeTriggerTimes
-    {
-        public uint size;
-        public uint out_count;
-        public uint in_count;
-        public ulong now_clock;
-        public ulong out_clock;
-        public ulong in_clock;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeLinkState
-    {
-        public uint size;
-        public uint found_baud;
-        public ulong retransmissions;
-    }
-
     internal static class Native
     {
         internal const int Abi = 1;
@@ -162,16 +146,10 @@ namespace Haptogram
         internal static extern IntPtr haptogram_error();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern IntPtr haptogram_error_place();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern IntPtr haptogram_remedies();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_compile(ref NativeProject project, out IntPtr image);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_compile_rig(ref NativeProject project, IntPtr rig, IntPtr manifest_file);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_compile_path(ref NativePath path, out IntPtr image);
@@ -250,44 +228,5 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_set_trigger(Board board, ref NativeTrigger trigger);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_get_trigger_times(Board board, ref NativeTriggerTimes times);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_open_link(ref NativePort port, out IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern void haptogram_close_link(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_identify(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_ask(IntPtr link, IntPtr requests, UIntPtr bytes, ulong gate);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_shut_off(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_wait(IntPtr link, uint milliseconds, ref int busy);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_interrupt(IntPtr link);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_link_replies(IntPtr link, IntPtr to, UIntPtr room);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_stream(IntPtr link, ulong period, ref ushort words, UIntPtr patterns);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_link_keep_alive(IntPtr link, uint milliseconds);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_get_link_state(IntPtr link, ref NativeLinkState state);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern UIntPtr haptogram_ports(IntPtr to, UIntPtr room);
     }
 }

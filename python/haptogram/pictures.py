@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the module's values say and show of themselves: __repr__, and plot() where there is something to see. matplotlib is
-asked for when something is drawn."""
+"""What computed values say and show of themselves: __repr__, and plot() where there is something to see. matplotlib is asked for when something is drawn."""
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from haptogram_native import _native
-from haptogram_native.errors import BadArgument, Failed
+from .errors import BadArgument, ErrorCode, Failed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from . import calls
 
 LABELS = {
     "radiation_pressure_pa": "radiation pressure / Pa",
@@ -20,13 +22,13 @@ LABELS = {
 }
 
 
-def _axes(axes: "Axes | None", **options: Any) -> Any:
+def _axes(axes: Axes | None, **options: Any) -> Any:
     if axes is not None:
         return axes
     try:
         import matplotlib.pyplot as plt
     except ImportError as error:
-        raise Failed(1, "plot", "matplotlib is missing; pip install matplotlib") from error
+        raise Failed(ErrorCode.RUN_FAILED, "plot", "matplotlib is missing; pip install matplotlib") from error
     return plt.subplots(constrained_layout=True, subplot_kw=options)[1]
 
 
@@ -39,46 +41,46 @@ def _range(values: Any, scale: float, unit: str) -> str:
     return f"{least} {unit}" if least == most else f"{least} to {most} {unit}"
 
 
-def compiled_repr(self: _native.Compiled) -> str:
+def compiled_repr(self: calls.Compiled) -> str:
     warned = f", {len(self.warnings)} warnings" if self.warnings else ""
     return f"<Compiled: {len(self.foci_m)} foci, {self.rate_hz:g} passes a second, {len(self.hex)} bytes of Intel HEX{warned}>"
 
 
-def excitation_repr(self: _native.Excitation) -> str:
+def excitation_repr(self: calls.Excitation) -> str:
     return f"<Excitation: {len(self.weights)} sets of drives of {self.array!r}>"
 
 
-def field_repr(self: _native.Field) -> str:
+def field_repr(self: calls.Field) -> str:
     points = " × ".join(str(len(axis)) for axis in (self.x_m, self.y_m, self.z_m))
     return f"<Field of {self.quantity}: {points} points, at most {np.nanmax(np.abs(self.values)):.4g}, by {self.method}>"
 
 
-def grid_repr(self: _native.PressureField | _native.MeanSquareField) -> str:
+def grid_repr(self: calls.PressureField | calls.MeanSquareField) -> str:
     points = " × ".join(map(str, self.values.shape))
     return f"<{type(self).__name__}: {points} points, at most {np.nanmax(np.abs(self.values)):.4g}, by {self.method}>"
 
 
-def quality_repr(self: _native.Quality) -> str:
+def quality_repr(self: calls.Quality) -> str:
     return f"<Quality: {len(self.pressure_pa)} foci of {_range(self.pressure_pa, 1.0, 'Pa')}, spread {100 * self.spread:.2g} %, efficiency {self.efficiency:.3g}>"
 
 
-def focus_repr(self: _native.FocusAnalysis) -> str:
+def focus_repr(self: calls.FocusAnalysis) -> str:
     size = f"{self.width_m * 1e3:.1f} mm wide, {self.depth_m * 1e3:.1f} mm deep"
     return f"<FocusAnalysis: {self.pressure_pa:.0f} Pa, {self.force_n * 1e3:.2f} mN, {size}, side lobes of {100 * self.side_lobe:.1f} %>"
 
 
-def image_repr(self: _native.ImageAnalysis) -> str:
+def image_repr(self: calls.ImageAnalysis) -> str:
     foci, force = len(self.foci_m), _range(self.force_n, 1e3, "mN")
     return f"<ImageAnalysis: {foci} foci, {force}, {self.highest_db:.0f} dB SPL at most on the axis, {len(self.warnings)} warnings>"
 
 
-def pose_repr(self: _native.Pose) -> str:
+def pose_repr(self: calls.Pose) -> str:
     origin, *ends = self.outwards([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
     turned = np.round(np.subtract(ends, origin), 3).tolist()
     return f"<Pose at {np.round(origin * 1e3, 3).tolist()} mm, axes {turned}>"
 
 
-def array_plot(self: _native.Array, axes: "Axes | None" = None, **options: Any) -> "Axes":
+def array_plot(self: Any, axes: Axes | None = None, **options: Any) -> Axes:
     """The elements as the hand sees them, with the numbers of the first and the last channel. Options are those of matplotlib's plot."""
     axes = _axes(axes)
     x, y, _ = self.positions_m.T * 1e3
@@ -89,7 +91,7 @@ def array_plot(self: _native.Array, axes: "Axes | None" = None, **options: Any) 
     return axes
 
 
-def compiled_plot(self: _native.Compiled, axes: "Axes | None" = None, **options: Any) -> "Axes":
+def compiled_plot(self: Any, axes: Axes | None = None, **options: Any) -> Axes:
     """The focal points in space, coloured in the order in which they play. Options are those of matplotlib's scatter."""
     axes = _axes(axes, projection="3d")
     x, y, z = self.foci_m.T * 1e3
@@ -100,13 +102,13 @@ def compiled_plot(self: _native.Compiled, axes: "Axes | None" = None, **options:
     return axes
 
 
-def field_plot(self: _native.Field, axes: "Axes | None" = None, *, colorbar: bool = True, title: str | None = None, **options: Any) -> "Axes":
+def field_plot(self: Any, axes: Axes | None = None, *, colorbar: bool = True, title: str | None = None, **options: Any) -> Axes:
     """A plane as a map, a line as a curve; of complex values the amplitude. Options are those of matplotlib's pcolormesh or plot; the limits vmin and
     vmax of a curve are those of its axis."""
     grid = {"x": self.x_m, "y": self.y_m, "z": self.z_m}
     wide = [name for name, axis in grid.items() if len(axis) > 1]
     if len(wide) not in (1, 2):
-        raise BadArgument(2, "plot", f"found a field over {len(wide)} dimensions, expected a line or a plane; plot one of its planes")
+        raise BadArgument(ErrorCode.USAGE, "plot", f"found a field over {len(wide)} dimensions, expected a line or a plane; plot one of its planes")
     at = ", ".join(f"{name} = {axis[0] * 1e3:g} mm" for name, axis in grid.items() if name not in wide)
     names = dict(zip(wide, wide, strict=True))
     if not np.allclose(self.point_m(0), [axis[0] for axis in grid.values()]):  # an oblique plane has coordinates of its own
@@ -127,13 +129,3 @@ def field_plot(self: _native.Field, axes: "Axes | None" = None, *, colorbar: boo
         axes.figure.colorbar(image, ax=axes, label=label)
     axes.set(aspect="equal")
     return axes
-
-
-def attach() -> None:
-    """Classes of C++ get what Python draws."""
-    reprs = {"Compiled": compiled_repr, "Excitation": excitation_repr, "Field": field_repr, "PressureField": grid_repr,
-             "MeanSquareField": grid_repr, "Quality": quality_repr, "FocusAnalysis": focus_repr, "ImageAnalysis": image_repr, "Pose": pose_repr}  # fmt: skip
-    for name, function in reprs.items():
-        setattr(getattr(_native, name), "__repr__", function)
-    for name, function in {"Array": array_plot, "Compiled": compiled_plot, "Field": field_plot}.items():
-        setattr(getattr(_native, name), "plot", function)
