@@ -160,7 +160,7 @@ site: ## the studio as a page for any web host, in build/site/studio: the engine
 	@$(call configure,wasm)
 	@cmake --build --preset wasm
 	@node extras/studio/web/build.mjs build/site/studio build/wasm/extras/studio/wasm
-	@[ ! -f build/site/index.html ] || sed -i 's|<!-- try it -->|<p><a href="studio/index.html">Try it in this browser</a>: design a shape and see its field, with nothing to install.</p>|' build/site/index.html
+	@[ ! -f build/site/index.html ] || sed -i 's|<!-- try it:.* -->|<p><a href="studio/index.html">Try it in this browser</a>: design a shape and see its field, with nothing to install.</p>|' build/site/index.html
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy
 	@$(call need,clang-tidy,dev )
