@@ -39,13 +39,26 @@ def spectrum(panel, feel):
 def places(panel, feel):
     at = np.arange(1, len(feel["places"]) + 1)
     panel.bar(at, [place["mean_pa"] for place in feel["places"]], color=BLUE, width=0.6)
-    panel.set(xlabel="place", ylabel="mean radiation pressure / Pa", title="all places", xlim=(0.2, max(8, len(at)) + 0.8))
+    panel.set(xlabel="place", ylabel="mean radiation pressure / Pa", title="all places: pressure")
+    number(panel, at)
+
+
+def number(panel, at):
+    panel.set_xlim(0.2, max(8, len(at)) + 0.8)
     panel.set_xticks(at if len(at) <= 20 else at[:: int(np.ceil(len(at) / 16))])
-    right = panel.twinx()
-    over = [np.nan if place["over_db"] is None else place["over_db"] for place in feel["places"]]
-    right.plot(at, over, "o", color=ORANGE)
-    right.axhline(0, color=ORANGE, lw=0.8, ls="--")
-    right.set_ylabel("vibration over the least felt / dB", color=ORANGE)
+
+
+def felt(panel, feel):
+    at = np.arange(1, len(feel["places"]) + 1)
+    over = np.array([np.nan if place["over_db"] is None else place["over_db"] for place in feel["places"]], dtype=float)
+    panel.plot(at, over, "o", color=ORANGE)
+    panel.axhline(0, color=ORANGE, lw=0.8, ls="--", label="least felt")
+    panel.set(xlabel="place", ylabel="vibration over the least felt / dB", title="all places: what vibrates")
+    known = over[np.isfinite(over)]
+    panel.set_ylim(min(-3.0, *(known - 3.0)), max(3.0, *(known + 3.0)))
+    panel.legend(loc="lower right", fontsize=8)
+    panel.grid(alpha=0.3)
+    number(panel, at)
 
 
 def noise(panel, feel):
@@ -62,8 +75,8 @@ def noise(panel, feel):
 
 def main():
     feel = json.loads((pathlib.Path(sys.argv[1]) / "feel.json").read_text(encoding="utf-8"))
-    figure, panels = plt.subplots(2, 2, figsize=(11, 7.6), constrained_layout=True)
-    for draw, panel in zip((over_time, spectrum, places, noise), panels.flat):
+    figure, panels = plt.subplot_mosaic([[over_time, spectrum], [places, felt], [noise, noise]], figsize=(11, 11), constrained_layout=True)
+    for draw, panel in panels.items():
         draw(panel, feel)
     x, y, z = feel["at_mm"]
     figure.suptitle(f"{pathlib.Path(feel['title']).name}, {feel['array']}: by models, not measured on people; strongest at ({x:.1f}, {y:.1f}, {z:.1f}) mm")

@@ -13,6 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.collections import EllipseCollection  # noqa: E402
 
 COLOURS = {"contour": "#39d353", "feature": "#ff4d4d", "solid": "#4da6ff", "grain": "#39d353", "blob": "#ffb000", "pointer": "#ff4dff", "press": "#ffb000"}
 
@@ -25,9 +26,22 @@ def in_palm(points, frame):
     return away @ across, away @ along
 
 
+def grid_mm(points):
+    """The usual distance from a place of the skin to the nearest other one, mm."""
+    points = np.asarray(points).reshape(-1, 3)
+    some = points[:: max(1, len(points) // 200)]
+    squares = ((some[:, None] - points[None]) ** 2).sum(-1)
+    return float(np.sqrt(np.median(np.where(squares > 0.0, squares, np.inf).min(1))))
+
+
 def palm_view(figure, panel, frame, most):
-    x, y = in_palm(frame["points_mm"], frame)
-    skin = panel.scatter(x, y, c=frame["radiation_pa"], s=9.0, marker="s", cmap="magma", vmin=0.0, vmax=most, linewidths=0, rasterized=True)
+    # Discs as large as the skin's grid is wide, so that they close whatever the picture's scale.
+    size = 1.5 * grid_mm(frame["points_mm"])
+    places = np.column_stack(in_palm(frame["points_mm"], frame))
+    skin = EllipseCollection(size, size, 0.0, units="xy", offsets=places, offset_transform=panel.transData, array=frame["radiation_pa"], cmap="magma", clim=(0.0, most),
+                             linewidths=0, antialiased=False, rasterized=True)  # fmt: skip
+    panel.add_collection(skin)
+    panel.autoscale_view()
     seen = set()
     for line in frame["lines"]:
         kind = line["kind"]
@@ -65,6 +79,8 @@ def in_space(panel, touch, frame, most):
     panel.set_box_aspect((1, 1, 1))
     panel.view_init(elev=-12, azim=-60)  # from below, where the palm is
     panel.set(xlabel="x / mm", ylabel="y / mm", zlabel="z / mm")
+    panel.locator_params(nbins=4)
+    panel.tick_params(labelsize=8)
 
 
 def main():

@@ -85,8 +85,10 @@ def array_plot(self: Any, axes: Axes | None = None, **options: Any) -> Axes:
     axes = _axes(axes)
     x, y, _ = self.positions_m.T * 1e3
     axes.plot(x, y, "o", **{"markersize": 6, "markerfacecolor": "none", **options})
-    for channel in (0, len(self) - 1):
-        axes.annotate(str(channel), (x[channel], y[channel]), ha="center", va="center", fontsize=7)
+    for channel in (0, len(self) - 1):  # beside the element, away from the middle
+        away = 9 * np.sign([x[channel] - x.mean(), y[channel] - y.mean()])
+        axes.annotate(str(channel), (x[channel], y[channel]), xytext=away, textcoords="offset points", ha="center", va="center", fontsize=9)
+    axes.margins(0.1)
     axes.set(xlabel="x / mm", ylabel="y / mm", title=f"{self.name}: {len(self)} × {self.transducer}", aspect="equal")
     return axes
 

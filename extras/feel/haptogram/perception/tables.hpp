@@ -75,13 +75,12 @@ struct ThresholdLaw {
 inline constexpr double lowest_vibration_hz = 10.0, highest_vibration_hz = 1000.0;
 
 /// The least vibration of the skin that is felt, dB re 1 µm of displacement (peak): the lower one of two channels, with
-/// a large contactor on glabrous skin (Gescheider and Verrillo). The Pacinian channel is −20 dB at 250 Hz, falls by 12
-/// dB an octave up to there, and rises by 12 dB an octave above 300 Hz; the other channel is flat, +12.5 dB, up to 40
-/// Hz, and has no value above. Levels are textbook values, good to ± 5 dB. Measurements end near 700 Hz; the rise is
-/// carried on to 1 kHz, which is as fast as devices modulate.
+/// a large contactor on glabrous skin. One channel is flat, +12.5 dB, up to 40 Hz, and has no value above. The Pacinian
+/// channel falls by 12 dB an octave to −20 dB at 250 Hz (Gescheider and Verrillo). Assumed are both levels, good to
+/// ± 5 dB, and a rise by 12 dB an octave from 300 Hz to 1 kHz, which is as fast as devices modulate.
 /// @param frequency_hz  from lowest_vibration_hz to highest_vibration_hz
-/// @param area_factor   contact area over that of the textbook values; a doubling makes the Pacinian channel 3 dB
-/// better
+/// @param area_factor   contact area over the large contactor's; a doubling makes the Pacinian channel 3 dB better
+/// (Craig and Sherrick 1969)
 /// @throws Error{bad_argument} outside of these
 [[nodiscard]] double least_displacement_db(double frequency_hz, double area_factor = 1.0);
 
