@@ -236,8 +236,11 @@ export class View {
 
   /** Marks the focal point of the scrubber. */
   showFocus(at: Point | undefined): void {
-    this.focus.visible = at !== undefined;
-    if (at) this.focus.position.set(...at);
+    // A board says every few moments where it is, and mostly that is where it was.
+    const { focus } = this;
+    if (focus.visible === (at !== undefined) && (!at || focus.position.equals(new Vector3(...at)))) return;
+    focus.visible = at !== undefined;
+    if (at) focus.position.set(...at);
     this.redraw();
   }
 
