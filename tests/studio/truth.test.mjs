@@ -116,6 +116,19 @@ test("what is refused can be mended by one press", async (t) => {
   await settled(page);
   assert.ok(await play(page).isEnabled());
   assert.ok(Number(await points.inputValue()) > 10);
+  // What is drawn at a speed moves at once, and a modulation is mended by its pace before its points.
+  await openDesign(page, "Ring");
+  await page.getByRole("button", { name: "Let it move" }).click();
+  await settled(page);
+  assert.equal(await page.locator(".failed").count(), 0);
+  await openDesign(page, "Ring");
+  await hasValue(page.getByLabel("Speed", { exact: true }), "7");
+  await page.getByLabel("Modulation", { exact: true }).selectOption("square:200");
+  await page.locator(".failed").waitFor();
+  await way(/./).first().waitFor();
+  assert.match(await way(/./).first().innerText(), /^Draw it at [\d.]+ m\/s$/);
+  await way(/./).first().click();
+  await settled(page);
   // A shape that moves, of too many steps.
   await openDesign(page, "Plus");
   await page.locator("footer", { hasText: "Plus: " }).waitFor();

@@ -412,9 +412,16 @@ std::vector<Remedy> Scenes::ways_out(const ordered_json& document, const std::fu
         return project;
     };
     if (error_of([&] { (void)opened(document); })) return {};  // what cannot be read is not mended by other numbers
-    return studio::ways_out(document, [&](const ordered_json& changed) {
+    std::vector<std::string> named;
+    try {
+        (void)haptogram::compile(opened(document), "image.hex");
+    } catch (const Error& error) {
+        named = error.remedies();
+    }
+    const auto can_be_made = [&](const ordered_json& changed) {
         return !over() && !error_of([&] { (void)haptogram::compile(opened(changed), "image.hex"); });
-    });
+    };
+    return studio::ways_out(document, can_be_made, named);
 }
 
 std::shared_ptr<const Scene> Scenes::find(const std::string& name) {
