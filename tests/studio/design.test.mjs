@@ -395,16 +395,13 @@ test("what it will feel like: weakest part, loudness, remedies, and never a verd
   await settled(page);
   await lookedAt(page);
   await run("compile", join(where, "far.toml"), "-o", join(where, "far.hex"));
-  const analysis = JSON.parse(await run("analyze", join(where, "far.hex"), "--json"));
-  const forces = analysis.points.map((point) => point.force_mn);
+  const { places } = JSON.parse(await run("feel", join(where, "far.hex"), "--json"));
   const words = await page.locator("#feel dl").innerText();
-  const weakest = Number(words.match(/Weakest part\s+([\d.]+) ×/)[1]);
-  // Table III's mean of a square wave, 0.05903 gf, is half of the steady force; nominal forces are above those that are expected.
-  const just = 2 * 0.05903 * 9.80665 * (analysis.level.source_pa_m / analysis.level.expected_pa_m) ** 2;
-  assert.ok(Math.abs(weakest / (Math.min(...forces) / just) - 1) < 0.01, `${weakest} times, ${Math.min(...forces)} mN`);
+  const weakest = Number(words.match(/Weakest place\s+([−+][\d.]+) dB/)[1].replace("−", "-"));
+  assert.ok(Math.abs(weakest - Math.min(...places.map(({ verdict }) => verdict.over_db))) < 0.06, `${weakest} dB`);
   const said = (await run("compile", join(where, "far.toml"), "-o", join(where, "far.hex"))).trim().split("\n").at(-1).replace(/^hand\s+|; try .*/g, "");
   assert.ok((await page.locator("#feel").innerText()).includes(said), said);
-  await page.locator("#feel").getByRole("button", { name: /×, at/ }).click();
+  await page.locator("#feel").getByRole("button", { name: /dB, at/ }).click();
   await page.locator(".scrubber", { hasText: "of 12:" }).waitFor();
   // While it is being looked at, nothing is said of it.
   await page.evaluate(() => {
