@@ -5,10 +5,11 @@ import { commands } from "./commands";
 import { project } from "./document";
 import { Files } from "./files";
 import { ofAllFrames } from "./hand_reader";
-import { filesOfScene, type Link } from "./link";
+import { filesOfScene, type Link, type Point } from "./link";
 import { Pen } from "./pen";
 import { look, quantities } from "./quantity";
 import type { Session } from "./session";
+import type { Orientation } from "./view";
 import { evenly, farthest, type Sample, smoothed } from "./stroke";
 import { readsLines } from "./triggers";
 import { type Actions, boardOf, made, noProgram, shownRecord, state, tell } from "./state";
@@ -41,12 +42,21 @@ export function actionsOf(session: Session, link: Link): Actions {
     const file = await designs.takePath(evenly(line, linePlaces), ((samples.at(-1)?.ms ?? 0) - (samples[0]?.ms ?? 0)) / 1000);
     state.smoothed.value = { file, ms, mm: farthest(samples, line) };
   };
+  const place = (orientation: Orientation, middle: Point): void => {
+    state.orientation.value = orientation;
+    state.middle.value = middle;
+    session.view?.place(orientation, middle);
+    session.planeMoved();
+  };
   const actions: Actions = {
-    place(orientation, middle) {
-      state.orientation.value = orientation;
-      state.middle.value = middle;
-      session.view?.place(orientation, middle);
-      session.planeMoved();
+    place: (orientation, middle) => session.look(["plane"], () => place(orientation, middle)),
+    point(at) {
+      const entry = state.scene.peek()?.tour[at];
+      if (!entry) return;
+      session.look(["plane", "at"], () => {
+        actions.mark(at, false);
+        place(state.orientation.peek(), entry.at);
+      });
     },
     drop: async (files) => await designs.take(files).catch(tell),
     openShipped: async (name, title) => await designs.openShipped(name, title).catch(tell),
@@ -101,9 +111,10 @@ export function actionsOf(session: Session, link: Link): Actions {
     },
     copy: async (text) => await navigator.clipboard.writeText(text).catch(tell),
     save: (text, name) => save(new Blob([text]), name),
-    mark(at) {
+    mark(at, isStep = true) {
       session.runner.stop();
-      session.mark(at);
+      if (isStep) session.look(["at"], () => session.mark(at));
+      else session.mark(at);
     },
     run: (on) => (on ? session.runner.start() : session.runner.stop()),
     showAlone(on) {

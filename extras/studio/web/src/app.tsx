@@ -6,7 +6,7 @@ import { render } from "preact";
 import { actionsOf } from "./actions";
 import { Board, LeftOut, tellBoard } from "./board";
 import { Compare } from "./compare";
-import { edit, endGesture, isSaved, project, redo, undo } from "./document";
+import { edit, endGesture, isSaved, looked, project, redo, showSightBy, undo } from "./document";
 import { takeDrops } from "./dropping";
 import { Feel } from "./feel";
 import { Gallery } from "./gallery";
@@ -91,6 +91,7 @@ export function start(link: Link): void {
     actions.play();
   });
   effect(tellBoard);
+  showSightBy((sight) => session.showSight(sight));
   follow(session, link, host);
   if (link.open) session.begin();
 }
@@ -200,6 +201,7 @@ function viewIn(place: HTMLElement, session: Session): View {
   state.edges.value = view.edges();
   view.scaled = (mmPerPixel) => (state.mmPerPixel.value = mmPerPixel);
   view.moved = () => session.planeMoved();
+  view.letGo = (before) => looked({ plane: { orientation: state.orientation.peek(), ...before } }, { plane: session.sight.plane });
   view.probed = (found) => {
     if (found !== state.probe.peek()) state.probe.value = found;
   };

@@ -141,10 +141,7 @@ function Findings({ actions, found }: { actions: Actions; found: Finding[] }) {
   const { scene, current } = state;
   const show = (finding: Finding): void => {
     const at = scene.value?.tour.findIndex(({ record }) => finding.records.includes(record)) ?? -1;
-    const entry = scene.value?.tour[at];
-    if (!entry) return;
-    actions.mark(at);
-    actions.place(state.orientation.value, entry.at);
+    if (at >= 0) actions.point(at);
   };
   return (
     <ul class="findings">

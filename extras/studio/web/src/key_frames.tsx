@@ -32,7 +32,7 @@ function limitsOf(frames: KeyFrame[], at: number): [number, number] {
 function choose(actions: Actions, i: number): void {
   state.keyFrame.value = i;
   const [scene, frame] = [state.scene.peek(), project.peek()?.keyframe?.[i]];
-  if (scene && frame && state.current.peek() && scene.tour.length > 0) actions.mark(entryAt(scene, Math.min(frame.time_s, scene.pass_s)));
+  if (scene && frame && state.current.peek() && scene.tour.length > 0) actions.mark(entryAt(scene, Math.min(frame.time_s, scene.pass_s)), false);
 }
 
 /** A key frame in the timeline: a click chooses it, dragging and arrow keys move it. @param shown  the times at the timeline's ends */

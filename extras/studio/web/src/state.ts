@@ -245,8 +245,10 @@ export interface Actions {
   copy(text: string): Promise<void>;
   /** Hands text to the user as a file. */
   save(text: string, name: string): void;
-  /** Marks a focal point, and plays it when the marked point is being played. */
-  mark(at: number): void;
+  /** Marks a focal point, and plays it when the marked point is being played. @param isStep  that undo takes back */
+  mark(at: number, isStep?: boolean): void;
+  /** Marks a focal point and puts the plane through it. */
+  point(at: number): void;
   stream(): void;
   /** Lets the timeline run from the marked point on, or stops it. */
   run(on: boolean): void;

@@ -20,6 +20,13 @@ import { type Skin, SkinDrawing, welded } from "./skin";
 
 export type Orientation = "xy" | "xz" | "yz";
 
+/** Where the plane is: its middle, millimetres, how it is turned as a quaternion, and how large it is. */
+export interface PlanePlace {
+  middle: Point;
+  turn: number[];
+  scale: number[];
+}
+
 /** A corner of the plane and the edges that begin there, millimetres. */
 export interface Edges {
   origin: Point;
@@ -63,6 +70,8 @@ export class View {
   readonly canvas: HTMLCanvasElement;
   /** Called when the plane was moved. */
   moved: () => void = () => {};
+  /** Called when the plane was let go by its handles, with where it was before. */
+  letGo: (before: PlanePlace) => void = () => {};
   /** Called while the object is moved or turned by its handles, and once more when it is let go. */
   objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
   /** Called when it has changed how many millimetres a pixel is in the middle of the view. */
@@ -105,6 +114,7 @@ export class View {
   private shownColours: ColourMap | undefined;
   private pointer: Vector2 | undefined;
   private texture: DataTexture | undefined;
+  private taken: PlanePlace | undefined;
   private waiting = false;
 
   /** @throws Error when the browser has no WebGL 2 */
@@ -145,6 +155,10 @@ export class View {
     this.gizmo.setSize(0.7);
     this.gizmo.addEventListener("dragging-changed", (event) => {
       orbit.enabled = !event.value;
+      if (this.gizmo.object === this.plane) {
+        if (event.value) this.taken = this.planePlace;
+        else if (this.taken) this.letGo(this.taken);
+      }
       if (!event.value && this.gizmo.object === this.pivot) this.tellObject(true);
     });
     this.gizmo.addEventListener("change", () => this.redraw());
@@ -171,6 +185,17 @@ export class View {
     this.plane.rotation.set(orientation === "xy" ? 0 : Math.PI / 2, orientation === "yz" ? Math.PI / 2 : 0, 0, "YXZ");
     this.plane.scale.set(160, 160, 1);
     this.plane.position.set(...middle);
+    this.redraw();
+  }
+
+  get planePlace(): PlanePlace {
+    const { position, quaternion, scale } = this.plane;
+    return { middle: position.toArray(), turn: quaternion.toArray(), scale: scale.toArray() };
+  }
+  set planePlace({ middle, turn, scale }: PlanePlace) {
+    this.plane.position.fromArray(middle);
+    this.plane.quaternion.fromArray(turn as [number, number, number, number]);
+    this.plane.scale.fromArray(scale as Point);
     this.redraw();
   }
 
