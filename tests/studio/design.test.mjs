@@ -99,6 +99,10 @@ test("a first visit has hints, which go and stay away", async (t) => {
   const page = await openPage(t, await startBrowser(t), studio, { firstVisit: true });
   await settled(page);
   assert.equal(await page.locator(".hints p").count(), 3);
+  // What a first visitor sees is felt.
+  await page.locator("footer", { hasText: "Dome: " }).waitFor();
+  await lookedAt(page);
+  assert.match(await page.locator("#feel").innerText(), /By models: felt:/);
   await accessible(page);
   await picture(page, "first-visit");
   await page.setViewportSize({ width: 1000, height: 700 });

@@ -33,6 +33,7 @@ async function during(busy: Signal<boolean>, work: () => Promise<void>): Promise
 
 export function actionsOf(session: Session, link: Link): Actions {
   const designs = new Files(session, link);
+  session.openShown = async () => await designs.openShipped("dome", "Dome").then(() => true, () => false);
   session.restore = async (design) => await designs.restore(design);
   let pen: Pen | undefined;
   /** A drawn line becomes the design's path. */

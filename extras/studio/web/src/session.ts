@@ -72,11 +72,14 @@ export class Session {
       const kept = project.peek() ? undefined : await keep(() => this.namedFiles(), tell);
       for (const file of this.sent.values()) await this.link.sendFile(file);
       if (kept) await this.restore(kept);
-      else openFirst(hello.document, hello.project);
+      else if (!(state.hints.peek() && hello.project === "example" && (await this.openShown()))) openFirst(hello.document, hello.project);
       this.ask();
     };
     void greet().catch(tell);
   }
+
+  /** Opens what a first visitor sees, a design that is felt. @return whether it could */
+  openShown: () => Promise<boolean> = () => Promise.resolve(false);
 
   /** Opens what the browser kept. */
   restore: (design: Design) => Promise<void> = () => Promise.resolve();
