@@ -49,7 +49,7 @@ test("colours, ranges and units ask for no new slice, and what is above the top 
   await field(page, "Shown").selectOption("rms");
   await page.locator(".bar figcaption", { hasText: "rms" }).waitFor();
   const top = Number(await page.locator(".bar li").last().innerText());
-  await field(page, "Hold the top of the scale").check();
+  await field(page, "Keep this scale").check();
   await fill(page, "Top", top / 2);
   await page.locator(".bar", { hasText: "above the top" }).waitFor();
   assert.ok(Math.abs(Number(await page.locator(".bar li").last().innerText()) - top / 2) < 0.01 * top);
@@ -165,7 +165,7 @@ test("the object is moved by its handles, one step for undo", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);
   await settled(page);
-  await field(page, "Handles").selectOption("object move");
+  // In Make, the handles are the object's.
   const bounds = drawnAt([0, 0, 130], await middle(page));
   const centre = async () => Promise.all(["x", "y", "z"].map(async (axis) => Number(await field(page, `Centre ${axis}`).inputValue())));
   await page.mouse.move(bounds.x, bounds.y);
@@ -338,6 +338,11 @@ test("the gallery, and the ways to play an object", async (t) => {
     assert.ok({ felt: ["clear", "notes"], perhaps: ["perhaps"], "not felt": ["unfelt"] }[said.split(":")[0]].includes(word), `${title}: ${word}`);
   }
   assert.equal(scenes.size, names.length, "each is another object");
+  // The page's own report says the same, and of which design.
+  const report = String(await takeAway(page, "Report"));
+  assert.match(report, /<title>Report on Triangle<\/title>/);
+  const [, words] = (await page.locator("#feel").innerText()).match(/By models: (.*)\.\n/);
+  assert.ok(report.includes(`Whether a hand feels it, by models: ${words}.`), words);
   await openDesign(page, "Ring");
   await hasValue(field(page, "Speed"), "7");
   await field(page, "Pace").selectOption("frequency_hz");
@@ -372,7 +377,7 @@ test("the slider below the view moves the focus on the board", async (t) => {
   await slider.fill("2");
   await page.locator(".scrubber", { hasText: "3 of 8" }).waitFor();
   await page.getByRole("button", { name: "Follow the slider" }).click();
-  await boardSays(page, "outputs ON, live");
+  await boardSays(page, "outputs ON, one point");
   await page.getByText("plays record 3", { exact: false }).waitFor();
   for (const [at, record] of [[6, 7], [0, 1], [4, 5]]) {
     await slider.fill(String(at));

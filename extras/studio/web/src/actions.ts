@@ -2,7 +2,7 @@
 // What the page's buttons, fields and handles do.
 import type { Signal } from "@preact/signals";
 import { commands } from "./commands";
-import { project } from "./document";
+import { designName, project } from "./document";
 import { Files } from "./files";
 import { ofAllFrames } from "./hand_reader";
 import { filesOfScene, type Link, type Point } from "./link";
@@ -78,6 +78,13 @@ export function actionsOf(session: Session, link: Link): Actions {
       }
     },
     frame: () => session.view?.frameAll(),
+    ontoObject() {
+      const middle = session.view?.middleOfObject ?? project.peek()?.place?.center_mm;
+      if (middle) actions.place(state.orientation.peek(), middle as Point);
+    },
+    async picture() {
+      await session.view?.picture().then((blob) => save(blob, `${designName.peek()}.png`)).catch(tell);
+    },
     send: (t, members = {}) => void link.send({ t, ...members }),
     async take(as) {
       const scene = made.value;

@@ -121,7 +121,8 @@ export function SliceControls({ actions }: WithActions) {
         <input id={height} type="range" min={20} max={300} step={0.5} value={middle[2]} onInput={(e) => move(2, Number(e.currentTarget.value))} />
       </div>
       <PointField label="Middle" each="Middle" unit="mm" value={middle.map((each) => Number(each.toFixed(2)))} onValue={(value) => actions.place(orientation, value as Point)} />
-      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <button type="button" disabled={!state.object.value} onClick={actions.ontoObject}>Back onto the object</button>
+      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Only the marked point</label>
       <label class="check"><input type="checkbox" checked={state.skin.value} disabled={state.reach.value} onChange={(e) => actions.showSkin(e.currentTarget.checked)} /> On the skin of a hand, too</label>
       <More what="colours, surface, reach, handles">
         <Choice label="Colours" value={colours} choices={colourMaps.map((map) => [map, map])} onValue={(value) => (look.value = { ...look.value, colours: value as ColourMap })} />

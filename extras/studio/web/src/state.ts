@@ -88,6 +88,8 @@ export const state = {
   playsPoint: signal<number | undefined>(undefined),
   /** The scene that the board plays, whichever page began it, as the engine tells; "": none. */
   played: signal(""),
+  /** Whether nothing of the object is in the view. */
+  outside: signal(false),
   /** Millimetres of one pixel in the middle of the view. */
   mmPerPixel: signal(0),
   /** Whether the engine is there, answers nothing, or has gone. */
@@ -233,6 +235,10 @@ export interface Actions {
   play(): void;
   /** The view shows all that there is. */
   frame(): void;
+  /** Puts the plane back through the middle of the object. */
+  ontoObject(): void;
+  /** Saves what the view shows as a picture. */
+  picture(): Promise<void>;
   send(t: string, members?: Record<string, unknown>): void;
   take(as: FileOfScene): Promise<void>;
   /** The image in its board's bitstream as a file; with autostart it plays at power-up. */

@@ -2,7 +2,7 @@
 // The 3-D view: array, object, foci, tour and a plane that shows the field. Millimetres, z up. It draws when something has
 // changed, and not otherwise.
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Group, InstancedMesh,
+  AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Frustum, Group, InstancedMesh,
   Line, LineBasicMaterial, LineLoop, LineSegments, LinearFilter, type Material, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter,
   type Object3D, PerspectiveCamera, Plane, PlaneGeometry, Points, PointsMaterial, Raycaster, RedFormat, Scene as World, ShaderMaterial, Vector2, Vector3,
   WebGLRenderer, Box3,
@@ -76,6 +76,8 @@ export class View {
   objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
   /** Called when it has changed how many millimetres a pixel is in the middle of the view. */
   scaled: (mmPerPixel: number) => void = () => {};
+  /** Called with whether nothing of the object is in the view, whenever it is drawn. */
+  outside: (outside: boolean) => void = () => {};
   /** Called when the pointer is over the plane, with the place in millimetres and the mean square pressure there; and when it has left. */
   probed: (found: { at: Point; square: number } | undefined) => void = () => {};
 
@@ -101,6 +103,7 @@ export class View {
   private readonly axes = new Axes();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
+  private readonly boxOfObject = new Box3();
   private centreOfOne: Vector3 | undefined;
   private readonly focus: Points<BufferGeometry, PointsMaterial>;
   private readonly uniforms = {
@@ -335,7 +338,7 @@ export class View {
     const points = new Points(geometryOf(drawn.points), new PointsMaterial({ size: 2, sizeAttenuation: false }));
     for (const part of [skin, lines, points]) part.userData["colour"] = "--object";
     this.object.add(skin, lines, points);
-    const box = new Box3().setFromObject(this.object);
+    const box = this.boxOfObject.setFromObject(this.object);
     if (!box.isEmpty()) this.middleOfAll = box.getCenter(new Vector3());
     this.placePivot();
     this.paint();
@@ -494,8 +497,32 @@ export class View {
     requestAnimationFrame(() => {
       this.waiting = false;
       this.renderer.render(this.world, this.camera);
+      this.outside(this.isOutside());
       this.probed(this.probe());
     });
+  }
+
+  /** The middle of what was drawn as the object, to a tenth of a millimetre. */
+  get middleOfObject(): Point {
+    return this.middleOfAll.toArray().map((each) => Math.round(10 * each) / 10 || 0) as Point;
+  }
+
+  private isOutside(): boolean {
+    if (!this.object.visible || this.boxOfObject.isEmpty()) return false;
+    const seen = new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
+    return !new Frustum().setFromProjectionMatrix(seen).intersectsBox(this.boxOfObject);
+  }
+
+  /** What is shown, without handles, as PNG. */
+  async picture(): Promise<Blob> {
+    const handles = this.gizmo.getHelper();
+    const { visible } = handles;
+    handles.visible = false;
+    this.renderer.render(this.world, this.camera);
+    const made = new Promise<Blob>((done, failed) => this.canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("The browser made no picture of the view.")))));
+    handles.visible = visible;
+    this.redraw();
+    return await made;
   }
 
   /** A place of the page as the camera counts: from -1 to 1. */
