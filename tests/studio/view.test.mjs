@@ -170,7 +170,7 @@ test("the object is moved by its handles, one step for undo", async (t) => {
   const centre = async () => Promise.all(["x", "y", "z"].map(async (axis) => Number(await field(page, `Centre ${axis}`).inputValue())));
   await page.mouse.move(bounds.x, bounds.y);
   await page.mouse.down();
-  for (let i = 1; i <= 10; i++) await page.mouse.move(bounds.x + 4 * i, bounds.y);
+  for (let i = 1; i <= 10; i++) await page.mouse.move(bounds.x + 4 * i, bounds.y + 3 * i); // whichever of its handles is there
   await page.mouse.up();
   await eventually(async () => Math.hypot(...(await centre()).map((each, i) => each - [0, 0, 130][i])) > 5, async () => `still at ${await centre()}`);
   await settled(page);

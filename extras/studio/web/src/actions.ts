@@ -88,7 +88,7 @@ export function actionsOf(session: Session, link: Link): Actions {
     send: (t, members = {}) => void link.send({ t, ...members }),
     async take(as) {
       const scene = made.value;
-      if (scene) await during(state.writing, async () => save(await link.take(scene.name, as), filesOfScene[as]));
+      if (scene) await during(state.writing, async () => save(await link.take(scene.name, as, designName.peek()), filesOfScene[as]));
     },
     async takeBitstream(autostart) {
       const [scene, board] = [made.value, boardOf(project.value)];

@@ -451,8 +451,9 @@ export abstract class Link {
     return await this.json("POST", "/api/project", new Blob([JSON.stringify(document)]));
   }
 
-  async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
-    return await this.request("GET", as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`);
+  /** @param name  of the design, for the report */
+  async take(scene: string, as: FileOfScene | "methods", name = ""): Promise<Blob> {
+    return await this.request("GET", as === "report" ? `/api/report?scene=${scene}&name=${encodeURIComponent(name)}` : `/api/take?scene=${scene}&as=${as}`);
   }
 
   /** The scene's image in its board's bitstream; with autostart it plays at power-up. */
