@@ -38,6 +38,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
       assert.ok(box && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height, `${selector} at ${JSON.stringify(box)}`);
       return box;
     };
+    const oneLine = async () => assert.ok((await page.locator("#board").boundingBox()).height < 24, "what the board does is one line");
+    await oneLine();
     for (const step of ["Make", "See", "Play"]) {
       await page.locator(`[data-step=${step}]`).click();
       const box = await inside("#view");
@@ -60,6 +62,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
         }).map((each) => each.labels[0]?.textContent),
       );
       assert.deepEqual(cut, [], "no word of a select is cut");
+      const lane = (await page.locator(".lane").count()) > 0 && (await page.locator(".lane").boundingBox());
+      if (lane) assert.ok((await page.locator(".scrubber").getByRole("button", { name: "Run" }).boundingBox()).y > lane.y + lane.height + 3, "the lane and the button do not touch");
       const short = await page.evaluate(() => [...document.querySelectorAll(".box > input")].filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth).map((each) => each.value));
       assert.deepEqual(short, [], "no number is cut");
       await accessible(page);
@@ -68,6 +72,7 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
     await page.locator("button.play").click();
     await boardSays(page, "Virtual board, outputs ON");
     await inside("#board");
+    await oneLine();
     await page.locator("#stop").click();
     await boardSays(page, "outputs off");
   });
@@ -423,7 +428,7 @@ test("Play starts a virtual board when there is no other, and STOP ends it", asy
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);
   await settled(page);
-  await boardSays(page, "No board. Play starts a virtual one");
+  await boardSays(page, "No board: Play starts one");
   await page.locator("button.play").click();
   await boardSays(page, "Virtual board, outputs ON");
   assert.equal(await page.locator("body.outputs-on").count(), 1);

@@ -52,7 +52,7 @@ test("what plays and is not what is shown is told, whoever began it", async (t) 
   await other.locator("footer", { hasText: "focal points for" }).waitFor(); // the example
   await page.bringToFront();
   await play(page).click();
-  await boardSays(page, "outputs ON, sequence");
+  await boardSays(page, "Virtual board, outputs ON");
   await boardSays(other, "outputs ON, not as shown");
   await take("9");
   await boardSays(page, "outputs ON, not as shown");
@@ -65,7 +65,7 @@ test("what plays and is not what is shown is told, whoever began it", async (t) 
   await sleep(1000);
   assert.match(await page.locator("#board").innerText(), /not as shown/);
   await page.getByLabel("Undo").click();
-  await boardSays(page, "outputs ON, sequence");
+  await boardSays(page, "Virtual board, outputs ON");
   // Nor has a design that fails.
   await page.getByLabel("Size", { exact: true }).fill("900");
   await page.getByLabel("Size", { exact: true }).press("Enter");

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
 import type { Design } from "./keeper";
-import { placeOf, wordsOf } from "./labels";
+import { headOf, wordsOf } from "./labels";
 import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FileSize, FrameReport, HandFrame, Hello, Link, LiveScene, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
@@ -202,7 +202,7 @@ export const whyNotMade = computed(() => {
   const { engine, refused, current } = state;
   if (made.value) return "";
   if (engine.value !== "here") return engine.value === "silent" ? "The server does not answer." : noProgram.value ? "What computes in this page has ended." : "The server is gone.";
-  if (refused.value) return `This design cannot be made: ${[placeOf(refused.value.where), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
+  if (refused.value) return `This design cannot be made: ${[headOf(refused.value), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
   if (state.showsKept.value) return "The view shows the kept design. In the step See, “Show the kept one” ends that, and “Go back to it” takes it.";
   return current.value ? "There is nothing to play." : "";
 });

@@ -155,7 +155,7 @@ export class View {
     this.world.add(this.pivot, this.focus);
     this.gizmo = new TransformControls(this.camera, this.canvas);
     this.gizmo.attach(this.plane);
-    this.gizmo.setSize(0.7);
+    this.gizmo.setSize(0.45);
     this.gizmo.addEventListener("dragging-changed", (event) => {
       orbit.enabled = !event.value;
       if (this.gizmo.object === this.plane) {
@@ -463,6 +463,7 @@ export class View {
     this.hand.paint(colour);
     this.live.paint(colour);
     this.axes.paint(colour);
+    this.gizmo.setColors(colour("--axis-x"), colour("--axis-y"), colour("--axis-z"), colour("--accent"));
     this.paintDiscs();
     for (const group of [this.object, this.surface, this.path, this.outline, this.stroke])
       for (const part of group.children)
