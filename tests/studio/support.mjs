@@ -157,7 +157,7 @@ export const lookedAt = (page) => page.locator("[data-verdict-of-feel]:not([data
 
 /** Waits until a whole slice of the document's scene is shown and nothing else is to come. */
 export async function settled(page) {
-  await page.locator("footer", { hasText: "focal points for" }).waitFor();
+  await page.locator("footer", { hasText: /focal points? for/ }).waitFor();
   await page.locator("footer", { hasText: "slice 200 × 200" }).waitFor();
   await page.locator("#view[aria-busy=false]").waitFor();
 }

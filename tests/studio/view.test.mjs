@@ -319,7 +319,7 @@ test("the gallery, and the ways to play an object", async (t) => {
   const there = await folder(t);
   for (const { file, title } of designs) {
     await openDesign(page, title);
-    await page.locator("footer", { hasText: new RegExp(`^${title}: \\d+ focal points`) }).waitFor();
+    await page.locator("footer", { hasText: new RegExp(`^${title}: \\d+ focal points?`) }).waitFor();
     scenes.add(await compiled());
     // The page's verdict is the program's.
     await lookedAt(page);
