@@ -38,6 +38,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
       assert.ok(box && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height, `${selector} at ${JSON.stringify(box)}`);
       return box;
     };
+    const oneLine = async () => assert.ok((await page.locator("#board").boundingBox()).height < 24, "what the board does is one line");
+    await oneLine();
     for (const step of ["Make", "See", "Play"]) {
       await page.locator(`[data-step=${step}]`).click();
       const box = await inside("#view");
@@ -60,6 +62,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
         }).map((each) => each.labels[0]?.textContent),
       );
       assert.deepEqual(cut, [], "no word of a select is cut");
+      const lane = (await page.locator(".lane").count()) > 0 && (await page.locator(".lane").boundingBox());
+      if (lane) assert.ok((await page.locator(".scrubber").getByRole("button", { name: "Run" }).boundingBox()).y > lane.y + lane.height + 3, "the lane and the button do not touch");
       const short = await page.evaluate(() => [...document.querySelectorAll(".box > input")].filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth).map((each) => each.value));
       assert.deepEqual(short, [], "no number is cut");
       await accessible(page);
@@ -68,6 +72,7 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
     await page.locator("button.play").click();
     await boardSays(page, "Virtual board, outputs ON");
     await inside("#board");
+    await oneLine();
     await page.locator("#stop").click();
     await boardSays(page, "outputs off");
   });
@@ -99,6 +104,10 @@ test("a first visit has hints, which go and stay away", async (t) => {
   const page = await openPage(t, await startBrowser(t), studio, { firstVisit: true });
   await settled(page);
   assert.equal(await page.locator(".hints p").count(), 3);
+  // What a first visitor sees is felt.
+  await page.locator("footer", { hasText: "Dome: " }).waitFor();
+  await lookedAt(page);
+  assert.match(await page.locator("#feel").innerText(), /By models: felt:/);
   await accessible(page);
   await picture(page, "first-visit");
   await page.setViewportSize({ width: 1000, height: 700 });
@@ -395,16 +404,13 @@ test("what it will feel like: weakest part, loudness, remedies, and never a verd
   await settled(page);
   await lookedAt(page);
   await run("compile", join(where, "far.toml"), "-o", join(where, "far.hex"));
-  const analysis = JSON.parse(await run("analyze", join(where, "far.hex"), "--json"));
-  const forces = analysis.points.map((point) => point.force_mn);
+  const { places } = JSON.parse(await run("feel", join(where, "far.hex"), "--json"));
   const words = await page.locator("#feel dl").innerText();
-  const weakest = Number(words.match(/Weakest part\s+([\d.]+) ×/)[1]);
-  // Table III's mean of a square wave, 0.05903 gf, is half of the steady force; nominal forces are above those that are expected.
-  const just = 2 * 0.05903 * 9.80665 * (analysis.level.source_pa_m / analysis.level.expected_pa_m) ** 2;
-  assert.ok(Math.abs(weakest / (Math.min(...forces) / just) - 1) < 0.01, `${weakest} times, ${Math.min(...forces)} mN`);
+  const weakest = Number(words.match(/Weakest place\s+([−+][\d.]+) dB/)[1].replace("−", "-"));
+  assert.ok(Math.abs(weakest - Math.min(...places.map(({ verdict }) => verdict.over_db))) < 0.06, `${weakest} dB`);
   const said = (await run("compile", join(where, "far.toml"), "-o", join(where, "far.hex"))).trim().split("\n").at(-1).replace(/^hand\s+|; try .*/g, "");
   assert.ok((await page.locator("#feel").innerText()).includes(said), said);
-  await page.locator("#feel").getByRole("button", { name: /×, at/ }).click();
+  await page.locator("#feel").getByRole("button", { name: /dB, at/ }).click();
   await page.locator(".scrubber", { hasText: "of 12:" }).waitFor();
   // While it is being looked at, nothing is said of it.
   await page.evaluate(() => {
@@ -422,7 +428,7 @@ test("Play starts a virtual board when there is no other, and STOP ends it", asy
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);
   await settled(page);
-  await boardSays(page, "No board. Play starts a virtual one");
+  await boardSays(page, "No board: Play starts one");
   await page.locator("button.play").click();
   await boardSays(page, "Virtual board, outputs ON");
   assert.equal(await page.locator("body.outputs-on").count(), 1);

@@ -140,7 +140,7 @@ test("algorithms, objects, pace and place; a frame without lines says why, and h
   await fill(page, "Passes a second", 20);
   await fill(page, "Points of a pass", 60);
   await settled(page);
-  await eventually(async () => / 20\s+Hz/.test((await panel(page, "This frame").innerText()).replaceAll("\t", " ")), () => panel(page, "This frame").innerText());
+  await eventually(async () => /Passes a second 20\s/.test((await panel(page, "This frame").innerText()).replaceAll("\t", " ")), () => panel(page, "This frame").innerText());
   const taken = await takeAway(page, "Path of this frame");
   await shell(where, (await commandsOf(page))[0]);
   assert.deepEqual(taken, readFileSync(join(where, "path.json")));

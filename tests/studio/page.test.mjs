@@ -140,9 +140,9 @@ test("a slice follows the hand, and is whole at rest", async (t) => {
   };
   await follows("sequence of 200 foci");
   await page.getByLabel("Focal point", { exact: true }).press("End");
-  await page.getByLabel("Of the marked focal point alone").check();
+  await page.getByLabel("Only the marked point").check();
   await follows("one focus");
-  await page.getByLabel("Of the marked focal point alone").uncheck();
+  await page.getByLabel("Only the marked point").uncheck();
   await settled(page);
   await page.getByLabel("Plane", { exact: true }).selectOption("xz");
   await settled(page);

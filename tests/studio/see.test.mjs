@@ -45,7 +45,7 @@ for (const colorScheme of ["light", "dark"])
     const box = await page.locator(".mark-here").boundingBox();
     assert.ok(Math.abs(box.width / lane.width - 0.5) < 0.05, `an eighth of the pass is half of a quarter: ${box.width} of ${lane.width}`);
     // The field of that point alone is what the command line computes of its record.
-    await field(page, "Of the marked focal point alone").check();
+    await field(page, "Only the marked point").check();
     await settled(page);
     await fill(page, "Step", 4);
     const command = await page.locator("pre.command").innerText();
@@ -82,7 +82,7 @@ test("what one focus could have is what the command line maps", async (t) => {
 test("the field on the skin of a hand is that of the plane in which its palm lies", async (t) => {
   const { page } = await openProject(t, 'points = 40\nrate_hz = 10\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n');
   await lookedAt(page);
-  await field(page, "Hold the top of the scale").check();
+  await field(page, "Keep this scale").check();
   // On the palm, beside the focal points and the tour, which have colours of their own.
   const places = [[-14, 4], [12, 3], [27, 2], [-27, 6], [3, -28], [-8, -12], [-36, -8], [34, -30]];
   const colours = async () => {
@@ -143,7 +143,7 @@ test("a running timeline moves the focus on the board", async (t) => {
   await boardSays(page, "outputs off");
   await field(page, "Focal point").press("End");
   await page.getByRole("button", { name: "Follow the slider" }).click();
-  await boardSays(page, "outputs ON, live");
+  await boardSays(page, "outputs ON, one point");
   await field(page, "Time").selectOption("100");
   await page.getByRole("button", { name: "Run" }).click();
   const seen = new Set();

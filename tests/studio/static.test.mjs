@@ -179,7 +179,7 @@ test("a static page in a browser without serial ports says where boards are reac
   await show(page, "Play");
   assert.ok((await accessible(page)) > 10);
   await picture(page, "static-without-serial");
-  assert.match(await page.locator("header").innerText(), /This browser cannot reach boards/);
+  assert.match(await page.locator("header").innerText(), /No boards in this browser/);
   assert.ok(await page.locator("button.play").isDisabled());
   assert.ok(!(await page.locator("#stop").isVisible()));
   assert.match(await panel(page, "Board").innerText(), /Chrome, Edge and Chromium/);

@@ -162,3 +162,27 @@ test("while the board plays, view and timeline show where it is, also when a poi
   await page.locator(".plays-here").waitFor({ state: "detached" });
   await page.locator(".scrubber", { hasText: "8 of 8" }).waitFor();
 });
+
+test("a board that rests draws nothing", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t), {
+    before: (page) => page.addInitScript(() => {
+      window.frames_drawn = 0;
+      const { clear } = WebGL2RenderingContext.prototype;
+      WebGL2RenderingContext.prototype.clear = function (...of) {
+        window.frames_drawn++;
+        return clear.apply(this, of);
+      };
+    }),
+  });
+  await settled(page);
+  await lookedAt(page);
+  await page.getByRole("button", { name: "Start a virtual board" }).click();
+  await boardSays(page, "Virtual board, outputs off");
+  await page.mouse.move(0, 0);
+  await page.waitForTimeout(1000);
+  const drawn = () => page.evaluate(() => window.frames_drawn);
+  const before = await drawn();
+  await page.waitForTimeout(2000);
+  assert.ok(before > 0, "the counter counts");
+  assert.equal(await drawn(), before);
+});

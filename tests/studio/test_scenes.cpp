@@ -98,6 +98,19 @@ TEST_CASE("studio scenes: what is refused has ways out, and each of them works")
             CHECK_NOTHROW(scenes.compile(mended));
         }
     }
+    // The smallest change stands first, and one point is no shape.
+    const auto first = [&](ordered_json more) { return scenes.ways_out(with(std::move(more))).at(0).label; };
+    const ordered_json circle_20{{"kind", "circle"}, {"diameter_mm", 20}};
+    const ordered_json moving{{"shape", {circle_20}}, {"speed_m_s", 7}, {"points", 20}, {"keyframe", moves}};
+    CHECK_THAT(first(moving), Catch::Matchers::StartsWith("Draw it at "));
+    CHECK_THAT(first({{"shape", {circle_20}}, {"speed_m_s", 7}, {"points", 30}, {"am", "square:200"}}),
+               Catch::Matchers::StartsWith("Draw it at "));
+    for (const ordered_json& document : {with({{"am", "sine:50"}, {"rate_hz", 2}}), with({{"points", 5000}})})
+        for (const Remedy& way : scenes.ways_out(document)) {
+            INFO(way.label);
+            CHECK(way.changes.value("points", 200) >= 5);
+            CHECK_FALSE(way.changes.contains("place"));
+        }
     // What cannot be read, or names a file that is not there, is not mended by other numbers.
     CHECK(scenes.ways_out(with({{"points", "many"}})).empty());
     CHECK(scenes.ways_out(with_file("none.stl")).empty());

@@ -52,7 +52,7 @@ test("what plays and is not what is shown is told, whoever began it", async (t) 
   await other.locator("footer", { hasText: "focal points for" }).waitFor(); // the example
   await page.bringToFront();
   await play(page).click();
-  await boardSays(page, "outputs ON, sequence");
+  await boardSays(page, "Virtual board, outputs ON");
   await boardSays(other, "outputs ON, not as shown");
   await take("9");
   await boardSays(page, "outputs ON, not as shown");
@@ -65,7 +65,7 @@ test("what plays and is not what is shown is told, whoever began it", async (t) 
   await sleep(1000);
   assert.match(await page.locator("#board").innerText(), /not as shown/);
   await page.getByLabel("Undo").click();
-  await boardSays(page, "outputs ON, sequence");
+  await boardSays(page, "Virtual board, outputs ON");
   // Nor has a design that fails.
   await page.getByLabel("Size", { exact: true }).fill("900");
   await page.getByLabel("Size", { exact: true }).press("Enter");
@@ -116,6 +116,19 @@ test("what is refused can be mended by one press", async (t) => {
   await settled(page);
   assert.ok(await play(page).isEnabled());
   assert.ok(Number(await points.inputValue()) > 10);
+  // What is drawn at a speed moves at once, and a modulation is mended by its pace before its points.
+  await openDesign(page, "Ring");
+  await page.getByRole("button", { name: "Let it move" }).click();
+  await settled(page);
+  assert.equal(await page.locator(".failed").count(), 0);
+  await openDesign(page, "Ring");
+  await hasValue(page.getByLabel("Speed", { exact: true }), "7");
+  await page.getByLabel("Modulation", { exact: true }).selectOption("square:200");
+  await page.locator(".failed").waitFor();
+  await way(/./).first().waitFor();
+  assert.match(await way(/./).first().innerText(), /^Draw it at [\d.]+ m\/s$/);
+  await way(/./).first().click();
+  await settled(page);
   // A shape that moves, of too many steps.
   await openDesign(page, "Plus");
   await page.locator("footer", { hasText: "Plus: " }).waitFor();

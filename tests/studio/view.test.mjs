@@ -49,7 +49,7 @@ test("colours, ranges and units ask for no new slice, and what is above the top 
   await field(page, "Shown").selectOption("rms");
   await page.locator(".bar figcaption", { hasText: "rms" }).waitFor();
   const top = Number(await page.locator(".bar li").last().innerText());
-  await field(page, "Hold the top of the scale").check();
+  await field(page, "Keep this scale").check();
   await fill(page, "Top", top / 2);
   await page.locator(".bar", { hasText: "above the top" }).waitFor();
   assert.ok(Math.abs(Number(await page.locator(".bar li").last().innerText()) - top / 2) < 0.01 * top);
@@ -165,12 +165,12 @@ test("the object is moved by its handles, one step for undo", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);
   await settled(page);
-  await field(page, "Handles").selectOption("object move");
+  // In Make, the handles are the object's.
   const bounds = drawnAt([0, 0, 130], await middle(page));
   const centre = async () => Promise.all(["x", "y", "z"].map(async (axis) => Number(await field(page, `Centre ${axis}`).inputValue())));
   await page.mouse.move(bounds.x, bounds.y);
   await page.mouse.down();
-  for (let i = 1; i <= 10; i++) await page.mouse.move(bounds.x + 4 * i, bounds.y);
+  for (let i = 1; i <= 10; i++) await page.mouse.move(bounds.x + 4 * i, bounds.y + 3 * i); // whichever of its handles is there
   await page.mouse.up();
   await eventually(async () => Math.hypot(...(await centre()).map((each, i) => each - [0, 0, 130][i])) > 5, async () => `still at ${await centre()}`);
   await settled(page);
@@ -179,6 +179,101 @@ test("the object is moved by its handles, one step for undo", async (t) => {
   await hasValue(field(page, "Centre x"), "0");
   assert.deepEqual(await centre(), [0, 0, 130]);
   assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());
+});
+
+test("a picture of the view, the way back to an object that is out of sight, and the plane back on it", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  assert.equal(await page.getByRole("button", { name: "Save a picture of the view" }).count(), 0);
+  await page.locator("[data-step=See]").click();
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save a picture of the view" }).click();
+  const download = await waiting;
+  assert.equal(download.suggestedFilename(), "example.png");
+  const bytes = readFileSync(await download.path());
+  assert.equal(bytes.subarray(1, 4).toString(), "PNG");
+  const size = await page.locator("#view canvas").evaluate(({ width, height }) => [width, height]);
+  assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], size);
+  // Not an empty one: the plane's colours are in it.
+  const colours = await page.evaluate(async (base64) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const context = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
+    context.drawImage(image, 0, 0);
+    return new Set(new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer)).size;
+  }, bytes.toString("base64"));
+  assert.ok(colours > 50, `${colours} colours`);
+  await fill(page, "Middle x", 30);
+  await page.getByRole("button", { name: "Back onto the object" }).click();
+  await hasValue(field(page, "Middle x"), "0");
+  // The handles are of what the step is about.
+  await hasValue(field(page, "Handles"), "plane move");
+  await fill(page, "Centre x", 0);
+  assert.equal(await page.locator(".card", { hasText: "outside the view" }).count(), 0);
+  // Moved by the right button until it is out of sight.
+  const { x, y } = await middle(page);
+  for (let i = 0; i < 3; i++) {
+    await page.mouse.move(x - 200, y - 100);
+    await page.mouse.down({ button: "right" });
+    await page.mouse.move(x + 200, y + 150, { steps: 5 });
+    await page.mouse.up({ button: "right" });
+  }
+  await page.locator(".card", { hasText: "outside the view" }).waitFor();
+  await picture(page, "outside-light");
+  await page.getByRole("button", { name: "Show it" }).click();
+  await page.locator(".card", { hasText: "outside the view" }).waitFor({ state: "detached" });
+});
+
+test("undo takes back what was done last, of the view, too", async (t) => {
+  const page = await openPage(t, await startBrowser(t), await startStudio(t));
+  await settled(page);
+  const focus = page.getByLabel("Focal point", { exact: true });
+  const marked = (words) => page.locator(".scrubber output", { hasText: words }).waitFor();
+  await fill(page, "Focal points", 30);
+  await settled(page);
+  await field(page, "Plane").selectOption("xz");
+  await page.waitForTimeout(1100); // what follows within a second would be the same movement
+  await field(page, "Middle x").fill("7");
+  await field(page, "Middle x").press("Enter");
+  await focus.press("End");
+  await marked("30 of 30");
+  const undo = () => page.keyboard.press("Control+z");
+  const redo = () => page.keyboard.press("Control+Shift+Z");
+  await undo();
+  await marked("none marked");
+  await hasValue(field(page, "Middle x"), "7");
+  await undo();
+  await hasValue(field(page, "Middle x"), "0");
+  await hasValue(field(page, "Plane"), "xz");
+  await undo();
+  await hasValue(field(page, "Plane"), "xy");
+  await page.locator("footer", { hasText: "30 focal points" }).waitFor();
+  await undo();
+  await page.locator("footer", { hasText: "200 focal points" }).waitFor();
+  assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());
+  await redo();
+  await page.locator("footer", { hasText: "30 focal points" }).waitFor();
+  await settled(page);
+  await redo();
+  await hasValue(field(page, "Plane"), "xz");
+  await redo();
+  await hasValue(field(page, "Middle x"), "7");
+  await redo();
+  await marked("30 of 30");
+  assert.ok(await page.getByRole("button", { name: "Redo" }).isDisabled());
+  // The plane by its handles: one step.
+  const before = await field(page, "Middle z").inputValue();
+  const at = drawnAt([7, 0, 130], await middle(page));
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) await page.mouse.move(at.x, at.y - 4 * i);
+  await page.mouse.up();
+  await eventually(async () => (await field(page, "Middle z").inputValue()) !== before || (await field(page, "Middle y").inputValue()) !== "0");
+  await undo();
+  await hasValue(field(page, "Middle x"), "7");
+  await hasValue(field(page, "Middle y"), "0");
+  await hasValue(field(page, "Middle z"), before);
 });
 
 test("every edit is taken back and made again, by keys", async (t) => {
@@ -224,16 +319,30 @@ test("the gallery, and the ways to play an object", async (t) => {
   const there = await folder(t);
   for (const { file, title } of designs) {
     await openDesign(page, title);
-    await page.locator("footer", { hasText: new RegExp(`^${title}: \\d+ focal points`) }).waitFor();
+    await page.locator("footer", { hasText: new RegExp(`^${title}: \\d+ focal points?`) }).waitFor();
     scenes.add(await compiled());
     // The page's verdict is the program's.
     await lookedAt(page);
     const said = (await run("compile", join(shipped, file, "project.toml"), "-o", join(there, "image.hex"))).trim().split("\n").at(-1).replace(/^hand\s+|; try .*/g, "");
     assert.ok((await page.locator("#feel").innerText()).includes(`By models: ${said}.`), `${title}: ${said}`);
     const word = await page.locator("[data-verdict-of-feel]").getAttribute("data-verdict-of-feel");
+    assert.match(await run("report", join(there, "image.hex"), "--no-picture", "-o", "-"), new RegExp(`by models: ${said.replaceAll(/[.+*?()]/g, "\\$&")}\\.<`), title);
+    // The bar below it says the same: all of what is known and not known over what is just felt, below it, or both.
+    const bar = await page.locator(".meter").evaluate((svg) => {
+      const x = (part, end) => Number(svg.querySelector(part).getAttribute("x")) + (end ? Number(svg.querySelector(part).getAttribute("width")) : 0);
+      return { felt: x(".threshold") + 1, from: x(".unknown"), to: x(".unknown", true), low: x(".range"), high: x(".range", true) };
+    });
+    const heard = { felt: bar.from >= bar.felt, "not felt": bar.to <= bar.felt, perhaps: bar.from < bar.felt && bar.to > bar.felt };
+    assert.ok(heard[said.split(":")[0]], `${title}: ${said}: ${JSON.stringify(bar)}`);
+    assert.ok(bar.from <= bar.low && bar.to >= bar.low, `${title}: ${JSON.stringify(bar)}`);
     assert.ok({ felt: ["clear", "notes"], perhaps: ["perhaps"], "not felt": ["unfelt"] }[said.split(":")[0]].includes(word), `${title}: ${word}`);
   }
   assert.equal(scenes.size, names.length, "each is another object");
+  // The page's own report says the same, and of which design.
+  const report = String(await takeAway(page, "Report"));
+  assert.match(report, /<title>Report on Triangle<\/title>/);
+  const [, words] = (await page.locator("#feel").innerText()).match(/By models: (.*)\.\n/);
+  assert.ok(report.includes(`Whether a hand feels it, by models: ${words}.`), words);
   await openDesign(page, "Ring");
   await hasValue(field(page, "Speed"), "7");
   await field(page, "Pace").selectOption("frequency_hz");
@@ -268,7 +377,7 @@ test("the slider below the view moves the focus on the board", async (t) => {
   await slider.fill("2");
   await page.locator(".scrubber", { hasText: "3 of 8" }).waitFor();
   await page.getByRole("button", { name: "Follow the slider" }).click();
-  await boardSays(page, "outputs ON, live");
+  await boardSays(page, "outputs ON, one point");
   await page.getByText("plays record 3", { exact: false }).waitFor();
   for (const [at, record] of [[6, 7], [0, 1], [4, 5]]) {
     await slider.fill(String(at));

@@ -116,8 +116,11 @@ Answer take_answer(Scenes& scenes, const Request& request) {
     return error_answer(400, fmt::format("as '{}'; expected hex, manifest, project, primary, sequence or methods", as));
 }
 
-std::string report_of(const Scene& scene, const ReportPicture& draw, const Progress& progress) {
-    const Timeline timeline = timeline_of(scene.compiled.bundle);
+/// @param name  of the design
+std::string report_of(const Scene& scene, const std::string& name, const ReportPicture& draw,
+                      const Progress& progress) {
+    Timeline timeline = timeline_of(scene.compiled.bundle);
+    if (!name.empty()) timeline.name = name;
     const ImageAnalysis analysis = analyze(timeline, least_felt_n, progress.between(0.0, 0.5));
     std::vector<std::string> findings;
     for (const Finding& finding : findings_of(scene.settings, scene.compiled, analysis))
@@ -264,8 +267,8 @@ std::optional<Writing> writing_of(Scenes& scenes, const Request& request, const 
         return
             [asked = field_request(request.query, scenes)](const Progress& going) { return field_file(asked, going); };
     if (request.path == "/api/report")
-        return
-            [scene = scene_of(scenes, request), draw](const Progress& going) { return report_of(*scene, draw, going); };
+        return [scene = scene_of(scenes, request), name = query_value(request.query, "name").value_or(""),
+                draw](const Progress& going) { return report_of(*scene, name, draw, going); };
     return {};
 }
 

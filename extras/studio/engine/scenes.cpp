@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 
 #include "failure.hpp"
 #include "haptogram/acoustics/quantities.hpp"
@@ -126,11 +128,19 @@ ordered_json drives_json(const Scene& scene, std::uint32_t record) {
 
 namespace {
 
-/// The steady force at the nominal level that a palm just feels when it is switched on and off 200 times a second.
-double just_felt_n(const Transducer& transducer) {
-    const double nominal = transducer.source_pa_m / expected_level(transducer).source_pa_m;
-    return perception::least_vibration(perception::find_tables(), perception::Region::palm, 200.0, 1.0).force_n *
-           std::numbers::pi / 2.0 * nominal * nominal;
+/// Of what a hand feels, the places that were looked at and how far each is over what is just felt; null is nothing at
+/// all.
+ordered_json places_json(const Feeling& feeling) {
+    const auto decibels = [](double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); };
+    ordered_json places = ordered_json::array();
+    for (const FeltPlace& place : feeling.places) {
+        const Vec3& at = place.place.position;
+        places.push_back({{"at", {at.x / millimetre, at.y / millimetre, at.z / millimetre}},
+                          {"over_db", decibels(place.verdict.over_db)},
+                          {"least_db", decibels(place.verdict.least_db)},
+                          {"most_db", decibels(place.verdict.most_db)}});
+    }
+    return places;
 }
 
 }  // namespace
@@ -147,12 +157,13 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
              {"side_lobe", point.focus.side_lobe},
              {"force_mn", point.focus.force_n * 1e3}});
     for (const Finding& finding : findings_of(scene.settings, compiled, analysis)) findings.push_back(to_json(finding));
+    const std::optional<Feeling> feeling = feeling_at_foci(timeline_of(compiled.bundle));
     return {{"level", level_json(compiled.bundle.manifest.array.transducer)},
             {"foci", foci},
-            {"least_felt_mn", just_felt_n(compiled.bundle.manifest.array.transducer) * 1e3},
+            {"places", feeling ? places_json(*feeling) : ordered_json::array()},
             {"at_300_mm_db", analysis.loudness.at_300_mm_db},
             {"most_at_300_mm_db", recommended_for_ears_db},
-            {"verdict", verdict_on(timeline_of(compiled.bundle))},
+            {"verdict", verdict_on(feeling)},
             {"findings", findings}};
 }
 
@@ -412,9 +423,16 @@ std::vector<Remedy> Scenes::ways_out(const ordered_json& document, const std::fu
         return project;
     };
     if (error_of([&] { (void)opened(document); })) return {};  // what cannot be read is not mended by other numbers
-    return studio::ways_out(document, [&](const ordered_json& changed) {
+    std::vector<std::string> named;
+    try {
+        (void)haptogram::compile(opened(document), "image.hex");
+    } catch (const Error& error) {
+        named = error.remedies();
+    }
+    const auto can_be_made = [&](const ordered_json& changed) {
         return !over() && !error_of([&] { (void)haptogram::compile(opened(changed), "image.hex"); });
-    });
+    };
+    return studio::ways_out(document, can_be_made, named);
 }
 
 std::shared_ptr<const Scene> Scenes::find(const std::string& name) {

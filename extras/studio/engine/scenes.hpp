@@ -62,8 +62,9 @@ struct HandScene {
 [[nodiscard]] nlohmann::ordered_json drives_json(const Scene& scene, std::uint32_t record);
 
 /// What the analysis of each focus came to, and all findings: {"foci": [{"record", "radiation_pa", "width_mm",
-/// "depth_mm", "side_lobe", "force_mn"}], "least_felt_mn", "at_300_mm_db", "most_at_300_mm_db", "verdict", "findings"}.
-/// The verdict is the sentence of `haptogram compile`; "least_felt_mn" is for foci that rest and buzz.
+/// "depth_mm", "side_lobe", "force_mn"}], "places": [{"at", "over_db", "least_db", "most_db"}], "at_300_mm_db",
+/// "most_at_300_mm_db", "verdict", "findings"}. The verdict is the sentence of `haptogram compile`; the places, mm, are
+/// those that it is of, with decibels over what is just felt: expected, and with what is not known; null is nothing.
 [[nodiscard]] nlohmann::ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis);
 
 /// The files that pages sent, the project that the studio was started with, and the scenes that were compiled last. All

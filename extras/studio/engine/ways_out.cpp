@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "haptogram/format/board.hpp"
@@ -14,6 +16,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::size_t most_ways = 4;
+constexpr std::size_t fewest_points = 5;  ///< that still are a shape
 
 /// Of a number, with two digits.
 double brief(double value) { return std::stod(fmt::format("{:.2g}", value)); }
@@ -23,20 +26,19 @@ public:
     Search(const ordered_json& document, const std::function<bool(const ordered_json&)>& can_be_made)
         : document_(document), can_be_made_(can_be_made) {}
 
-    std::vector<Remedy> run() {
-        offer("Leave out what is out of reach", {{"clip", true}});
-        offer("Put it over the array", {{"place", {{"center_mm", {0, 0, 130}}}}});
-        for (const int size_mm : {100, 80, 60, 40, 20})
-            if (offer(fmt::format("Make it {} mm large", size_mm), {{"place", {{"size_mm", size_mm}}}})) break;
-        if (!found_.empty()) return found_;  // nothing else was wrong
+    std::vector<Remedy> run(const std::vector<std::string>& named) {
+        if (of_reach()) return found_;  // nothing else was wrong
+        const auto is_pace = [](const std::string& name) {
+            return name == "rate" || name == "speed" || name == "frequency";
+        };
+        // A waveform and a movement take records by the pace, too.
+        const bool paced = document_.contains("am") || document_.contains("keyframe");
+        if (paced || named.empty() || std::ranges::any_of(named, is_pace)) other_pace();
         fewer_points();
-        other_pace();
-        for (const char* const am : {"square:200", "sine:200"})
-            if (const std::string now = word("am", "");
-                !now.empty() && now != am &&
-                offer(fmt::format("Modulate by a {} of 200 Hz", am[1] == 'q' ? "square" : "sine"), {{"am", am}}))
-                break;
+        modulation();
         other_board();
+        if (found_.empty()) few_points();
+        if (found_.empty()) smaller();
         return found_;
     }
 
@@ -63,17 +65,47 @@ private:
         return found != document_.end() && found->is_string() ? found->get<std::string>() : otherwise;
     }
 
-    /// The most that can be made.
+    /// Only what is out of reach is mended by where and how large it is.
+    bool of_reach() {
+        offer("Leave out what is out of reach", {{"clip", true}});
+        offer("Put it over the array", {{"place", {{"center_mm", {0, 0, 130}}}}});
+        if (!found_.empty()) smaller();
+        return !found_.empty();
+    }
+
+    void smaller() {
+        for (const int size_mm : {100, 80, 60, 40, 20})
+            if (offer(fmt::format("Make it {} mm large", size_mm), {{"place", {{"size_mm", size_mm}}}})) return;
+    }
+
+    /// So few that they are hardly a shape any more: for when nothing else helps.
+    void few_points() {
+        for (std::size_t few = fewest_points; few-- > 1;)
+            if (offer(fmt::format("Take {} point{}", few, few == 1 ? "" : "s"), {{"points", few}})) return;
+    }
+
+    /// The most that can be made and still are a shape.
     void fewer_points() {
         const auto with = [](std::size_t points) { return ordered_json{{"points", points}}; };
-        auto good = std::size_t{0},
-             bad = static_cast<std::size_t>(number("points", static_cast<double>(Project{}.points)));
-        if (bad > 1 && works(with(1))) good = 1;
+        const auto now = static_cast<std::size_t>(number("points", static_cast<double>(Project{}.points)));
+        std::size_t good = 0, bad = now;
+        for (std::size_t some = now; good == 0 && some > fewest_points;) {
+            some = std::max(fewest_points, std::min(some - 1, some * 9 / 10));
+            (works(with(some)) ? good : bad) = some;
+        }
         while (good > 0 && bad - good > 1 + good / 32) {
             const std::size_t middle = good + (bad - good) / 2;
             (works(with(middle)) ? good : bad) = middle;
         }
-        if (good > 0) offer(fmt::format("Take {} point{}", good, good == 1 ? "" : "s"), with(good));
+        if (good > 0) offer(fmt::format("Take {} points", good), with(good));
+    }
+
+    void modulation() {
+        for (const char* const am : {"square:200", "sine:200"})
+            if (const std::string now = word("am", "");
+                !now.empty() && now != am &&
+                offer(fmt::format("Modulate by a {} of 200 Hz", am[1] == 'q' ? "square" : "sine"), {{"am", am}}))
+                return;
     }
 
     /// The nearest of whatever says how fast it is played.
@@ -88,9 +120,13 @@ private:
             if (!document_.contains(key) && std::string(key) != "rate_hz") continue;
             const double now = number(key, Project{}.rate_hz);
             if (!(now > 0.0)) return;
+            std::vector<double> values{1,  2,  2.5, 4,  5,   8,  10,
+                                       20, 25, 40,  50, 100, 200};  // of these a waveform is a multiple
             for (double factor = 1.25; factor < 2000.0; factor *= 1.25)
-                for (const double value : {brief(now / factor), brief(now * factor)})
-                    if (offer(fmt::format(fmt::runtime(label), value), {{key, value}})) return;
+                values.insert(values.end(), {brief(now / factor), brief(now * factor)});
+            std::ranges::stable_sort(values, {}, [now](double value) { return std::abs(std::log(value / now)); });
+            for (const double value : values)
+                if (value != now && offer(fmt::format(fmt::runtime(label), value), {{key, value}})) return;
             return;
         }
     }
@@ -111,9 +147,9 @@ private:
 
 }  // namespace
 
-std::vector<Remedy> ways_out(const ordered_json& document,
-                             const std::function<bool(const ordered_json&)>& can_be_made) {
-    return Search(document, can_be_made).run();
+std::vector<Remedy> ways_out(const ordered_json& document, const std::function<bool(const ordered_json&)>& can_be_made,
+                             const std::vector<std::string>& named) {
+    return Search(document, can_be_made).run(named);
 }
 
 }  // namespace haptogram::studio

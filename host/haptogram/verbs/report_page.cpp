@@ -127,17 +127,28 @@ std::vector<std::size_t> records_that(const Manifest& manifest, const ImageAnaly
     return {found.begin(), found.end()};
 }
 
+/// In how many places the foci of some records are.
+std::size_t weak_points(const Manifest& manifest, const std::vector<std::size_t>& records) {
+    std::set<std::tuple<double, double, double>> places;
+    for (const std::size_t record : records)
+        for (const Focus& focus : manifest.records[record].foci)
+            places.insert({focus.position.x, focus.position.y, focus.position.z});
+    return places.size();
+}
+
 void find_weak(const Compiled& compiled, const ImageAnalysis& analysis, std::vector<Finding>& found) {
     const auto records =
         records_that(compiled.bundle.manifest, analysis, [](const PointAnalysis& p) { return p.too_weak; });
     if (records.empty()) return;
     double least = INFINITY;
     for (const PointAnalysis& point : analysis.points) least = std::min(least, point.focus.force_n);
+    const std::size_t points = compiled.bundle.manifest.points().size();
     found.push_back(
         {"weak",
-         fmt::format("{} of {} records may be too weak to feel: the weakest focus has {:.3g} mN, and a palm "
-                     "is known to feel {:.3g} mN; nearer to the array, or to its axis, it is stronger",
-                     records.size(), compiled.bundle.manifest.records.size(), least * 1e3, least_felt_n * 1e3),
+         fmt::format("{} of {} point{} may be too weak to feel: the weakest has {:.3g} mN, which is {:.0f} % of the "
+                     "{:.3g} mN that a palm is known to feel; nearer to the array, or to its axis, it is stronger",
+                     weak_points(compiled.bundle.manifest, records), points, points == 1 ? "" : "s", least * 1e3,
+                     100.0 * least / least_felt_n, least_felt_n * 1e3),
          records});
 }
 

@@ -428,7 +428,7 @@ Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progres
     return feeling;
 }
 
-std::string verdict_on(const Timeline& made) {
+std::optional<Feeling> feeling_at_foci(const Timeline& made) {
     // As it is read from its files, whose digits are fewer, so that every command says the same.
     Timeline timeline = made;
     timeline.manifest = manifest_from_json(to_text(made.manifest), made.name);
@@ -436,11 +436,17 @@ std::string verdict_on(const Timeline& made) {
     options.tables = perception::find_tables();
     options.sound = false;
     const DriveSequence sequence = sequence_of(timeline);
-    if (different_places(places_of(timeline.manifest, sequence)).empty()) return "not felt: it has no foci";
-    const Feeling feeling = feel(timeline, options);
-    return fmt::format("{}; at {:.3g} Pa·m an element", perception::sentence_of(feeling.verdicts),
-                       feeling.level.source_pa_m);
+    if (different_places(places_of(timeline.manifest, sequence)).empty()) return {};
+    return feel(timeline, options);
 }
+
+std::string verdict_on(const std::optional<Feeling>& at_foci) {
+    if (!at_foci) return "not felt: it has no foci";
+    return fmt::format("{}; at {:.3g} Pa·m an element", perception::sentence_of(at_foci->verdicts),
+                       at_foci->level.source_pa_m);
+}
+
+std::string verdict_on(const Timeline& timeline) { return verdict_on(feeling_at_foci(timeline)); }
 
 void draw_feeling(const std::string& path, const Timeline& timeline, const FeelOptions& options,
                   const Feeling& feeling) {

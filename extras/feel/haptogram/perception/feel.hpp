@@ -130,8 +130,14 @@ struct Feeling {
 /// @throws Error{bad_input} when nothing is played, Error{bad_argument} for options that make no sense
 [[nodiscard]] Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progress& progress = {});
 
-/// The verdict on what plays at its foci, on a palm that faces the array, and the level that it is of: the line with
-/// which `compile` ends, and what a report says. It is that of `haptogram feel` without options.
+/// What a palm that faces the array feels at the foci of what plays, as `haptogram feel` without options says it; no
+/// sound. Nothing when there are no foci.
+[[nodiscard]] std::optional<Feeling> feeling_at_foci(const Timeline& timeline);
+
+/// The verdict that it comes to, and the level that it is of: the line with which `compile` ends, and what a report
+/// says.
+[[nodiscard]] std::string verdict_on(const std::optional<Feeling>& at_foci);
+[[nodiscard]] std::string verdict_on(const Timeline& timeline);
 [[nodiscard]] std::string verdict_on(const Timeline& timeline);
 
 /// Draws the strongest place: radiation pressure over time, and the force's spectrum beside what is felt; all places;

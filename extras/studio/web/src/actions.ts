@@ -2,13 +2,14 @@
 // What the page's buttons, fields and handles do.
 import type { Signal } from "@preact/signals";
 import { commands } from "./commands";
-import { project } from "./document";
+import { designName, project } from "./document";
 import { Files } from "./files";
 import { ofAllFrames } from "./hand_reader";
-import { filesOfScene, type Link } from "./link";
+import { filesOfScene, type Link, type Point } from "./link";
 import { Pen } from "./pen";
 import { look, quantities } from "./quantity";
 import type { Session } from "./session";
+import type { Orientation } from "./view";
 import { evenly, farthest, type Sample, smoothed } from "./stroke";
 import { readsLines } from "./triggers";
 import { type Actions, boardOf, made, noProgram, shownRecord, state, tell } from "./state";
@@ -32,6 +33,7 @@ async function during(busy: Signal<boolean>, work: () => Promise<void>): Promise
 
 export function actionsOf(session: Session, link: Link): Actions {
   const designs = new Files(session, link);
+  session.openShown = async () => await designs.openShipped("dome", "Dome").then(() => true, () => false);
   session.restore = async (design) => await designs.restore(design);
   let pen: Pen | undefined;
   /** A drawn line becomes the design's path. */
@@ -41,12 +43,21 @@ export function actionsOf(session: Session, link: Link): Actions {
     const file = await designs.takePath(evenly(line, linePlaces), ((samples.at(-1)?.ms ?? 0) - (samples[0]?.ms ?? 0)) / 1000);
     state.smoothed.value = { file, ms, mm: farthest(samples, line) };
   };
+  const place = (orientation: Orientation, middle: Point): void => {
+    state.orientation.value = orientation;
+    state.middle.value = middle;
+    session.view?.place(orientation, middle);
+    session.planeMoved();
+  };
   const actions: Actions = {
-    place(orientation, middle) {
-      state.orientation.value = orientation;
-      state.middle.value = middle;
-      session.view?.place(orientation, middle);
-      session.planeMoved();
+    place: (orientation, middle) => session.look(["plane"], () => place(orientation, middle)),
+    point(at) {
+      const entry = state.scene.peek()?.tour[at];
+      if (!entry) return;
+      session.look(["plane", "at"], () => {
+        actions.mark(at, false);
+        place(state.orientation.peek(), entry.at);
+      });
     },
     drop: async (files) => await designs.take(files).catch(tell),
     openShipped: async (name, title) => await designs.openShipped(name, title).catch(tell),
@@ -67,10 +78,17 @@ export function actionsOf(session: Session, link: Link): Actions {
       }
     },
     frame: () => session.view?.frameAll(),
+    ontoObject() {
+      const middle = session.view?.middleOfObject ?? project.peek()?.place?.center_mm;
+      if (middle) actions.place(state.orientation.peek(), middle as Point);
+    },
+    async picture() {
+      await session.view?.picture().then((blob) => save(blob, `${designName.peek()}.png`)).catch(tell);
+    },
     send: (t, members = {}) => void link.send({ t, ...members }),
     async take(as) {
       const scene = made.value;
-      if (scene) await during(state.writing, async () => save(await link.take(scene.name, as), filesOfScene[as]));
+      if (scene) await during(state.writing, async () => save(await link.take(scene.name, as, designName.peek()), filesOfScene[as]));
     },
     async takeBitstream(autostart) {
       const [scene, board] = [made.value, boardOf(project.value)];
@@ -101,9 +119,10 @@ export function actionsOf(session: Session, link: Link): Actions {
     },
     copy: async (text) => await navigator.clipboard.writeText(text).catch(tell),
     save: (text, name) => save(new Blob([text]), name),
-    mark(at) {
+    mark(at, isStep = true) {
       session.runner.stop();
-      session.mark(at);
+      if (isStep) session.look(["at"], () => session.mark(at));
+      else session.mark(at);
     },
     run: (on) => (on ? session.runner.start() : session.runner.stop()),
     showAlone(on) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: puts the parts together. The view is the page; panels stand around it, and each step shows those that it needs.
-import { effect } from "@preact/signals";
-import { Hand, Maximize, PanelLeft, PanelRight } from "lucide-preact";
+import { computed, effect } from "@preact/signals";
+import { Camera, Hand, Maximize, PanelLeft, PanelRight } from "lucide-preact";
 import { render } from "preact";
 import { actionsOf } from "./actions";
 import { Board, LeftOut, tellBoard } from "./board";
 import { Compare } from "./compare";
-import { edit, endGesture, isSaved, project, redo, undo } from "./document";
+import { edit, endGesture, isSaved, looked, project, redo, showSightBy, undo } from "./document";
 import { takeDrops } from "./dropping";
 import { Feel } from "./feel";
 import { Gallery } from "./gallery";
@@ -90,7 +90,14 @@ export function start(link: Link): void {
     state.playsNext.value = false;
     actions.play();
   });
+  const makes = computed(() => state.step.value === "Make" && project.value?.shape !== undefined);
+  effect(() => {
+    // What one makes is what the handles move; else it is the plane on which one looks.
+    const of = makes.value ? "object" : "plane";
+    if (!state.handles.peek().startsWith(of)) actions.handle(`${of} move`);
+  });
   effect(tellBoard);
+  showSightBy((sight) => session.showSight(sight));
   follow(session, link, host);
   if (link.open) session.begin();
 }
@@ -136,13 +143,14 @@ function Page({ actions }: { actions: Actions }) {
         {step === "Make" && <><Begin actions={actions} /><Gallery actions={actions} /><Subject actions={actions} /></>}
         {step === "See" && <><Compare actions={actions} /><Pins actions={actions} /></>}
         {step === "Play" && <TakeAway actions={actions} />}
+        {!left && <Splitter side="left" />}
       </aside>
-      {!left && <Splitter side="left" />}
       <main id="view">
         <div class="float at-left">
           <button type="button" class="ghost" aria-expanded={!left} aria-controls="left" onClick={() => fold("left")} title="Objects" aria-label="Panel at the left"><PanelLeft size={16} /></button>
           <button type="button" class="ghost" onClick={actions.frame} title="Show all" aria-label="Show all"><Maximize size={16} /></button>
           <button type="button" class="ghost" aria-pressed={state.outline.value} onClick={() => (state.outline.value = !state.outline.value)} title="The outline of a hand, as a scale" aria-label="Hand for scale"><Hand size={16} /></button>
+          {step !== "Make" && <button type="button" class="ghost" onClick={() => void actions.picture()} title="Save a picture of the view" aria-label="Save a picture of the view"><Camera size={16} /></button>}
         </div>
         <div class="float at-right">
           <button type="button" class="ghost" aria-expanded={!right} aria-controls="right" onClick={() => fold("right")} title="Properties" aria-label="Panel at the right"><PanelRight size={16} /></button>
@@ -153,11 +161,11 @@ function Page({ actions }: { actions: Actions }) {
         <Bar />
         <Failed />
       </main>
-      {!right && <Splitter side="right" />}
       <aside id="right" aria-label="Properties" hidden={right} tabIndex={0}>
         {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties actions={actions} />}</>}
         {step === "See" && <><SliceControls actions={actions} /><ProfilePlot actions={actions} /><Numbers /></>}
         {step === "Play" && <><Board actions={actions} /><Live actions={actions} /><LeftOut /></>}
+        {!right && <Splitter side="right" />}
       </aside>
       <Feel actions={actions} />
       <Timeline actions={actions} />
@@ -182,6 +190,7 @@ function Restore({ actions }: { actions: Actions }) {
           <button type="button" class="primary" onClick={() => void actions.restore(design)}>Restore it</button> <button type="button" onClick={leave}>Leave it</button>
         </p>
       )}
+      {state.outside.value && <p class="card" role="status">The object lies outside the view. <button type="button" onClick={actions.frame}>Show it</button></p>}
       {state.hints.value && (
         <div class="card hints">
           <p><b>This shape is made of air:</b> points of ultrasound, drawn in turn. Take another from the gallery, or drop a file.</p>
@@ -200,6 +209,8 @@ function viewIn(place: HTMLElement, session: Session): View {
   state.edges.value = view.edges();
   view.scaled = (mmPerPixel) => (state.mmPerPixel.value = mmPerPixel);
   view.moved = () => session.planeMoved();
+  view.letGo = (before) => looked({ plane: { orientation: state.orientation.peek(), ...before } }, { plane: session.sight.plane });
+  view.outside = (outside) => (state.outside.value = outside);
   view.probed = (found) => {
     if (found !== state.probe.peek()) state.probe.value = found;
   };

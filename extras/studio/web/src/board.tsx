@@ -12,13 +12,13 @@ function boardWords(device: Device): string {
   if (state.engine.value === "gone") return noProgram.value ? "The page's engine is gone" : "The server is gone";
   if (state.stopping.value) return "Stopping…";
   const outputs = `outputs ${outputsOn.value === undefined ? "unknown" : outputsOn.value ? "ON" : "off"}`;
-  if (device.guest && device.connection !== "lent" && outputsOn.value) return `The board of the ${device.guest}, ${outputs}`;
-  if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
-  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port?.split("/").at(-1) ?? ""}`; // a whole path leaves no room for the rest
+  if (device.guest && device.connection !== "lent" && outputsOn.value) return `Board of the ${device.guest}, ${outputs}`;
+  if (device.connection === "none") return { program: "No board: Play starts one", serial: "No board: Play asks for one", none: "No boards in this browser" }[boards.value];
+  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Verilog board" : device.port?.split("/").at(-1) || "Board"; // a whole path leaves no room for the rest
   if (device.connection === "lent") return `${name}, lent to the ${device.guest ?? "session"}, ${outputs}`;
   if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}${outputsOn.value === undefined ? `, ${outputs}` : ""}`;
-  const { mode = "idle" } = device.status ?? {};
-  return `${name}, ${outputs}${playsOther.value ? ", not as shown" : mode === "idle" ? "" : `, ${mode}`}`;
+  if (playsOther.value) return "Outputs ON, not as shown";
+  return device.status?.mode === "live" && outputsOn.value ? "Outputs ON, one point" : `${name}, ${outputs}`;
 }
 
 /** The bar at the top and the window's title say what the board does. They are read aloud when they change, so they change seldom. */
@@ -28,7 +28,7 @@ export function tellBoard(): void {
   const place = document.getElementById("board");
   const words = boardWords(device);
   if (place) {
-    if (place.textContent !== words) place.textContent = words;
+    if (place.textContent !== words) place.textContent = place.title = words;
     place.classList.toggle("on", on);
     place.classList.toggle("unknown", outputsOn.value === undefined);
     place.classList.toggle("ready", device.connection === "connected" && outputsOn.value === false);

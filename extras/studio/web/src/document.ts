@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The document: a project file's keys and values, host/haptogram/verbs/README.md. It is never changed, only replaced,
-// so that undo is a step back.
+// so that undo is a step back. What is shown of it has steps in the same history.
 import { computed, signal } from "@preact/signals";
 
 /** Lengths in millimetres, turns in degrees about x, y and z. */
@@ -94,6 +94,12 @@ export interface ProjectDocument {
   [key: string]: unknown;
 }
 
+/** What is shown of a design: where the plane is, and which focal point is marked; null: none. */
+export interface Sight {
+  plane?: { orientation: "xy" | "xz" | "yz"; middle: [number, number, number]; turn: number[]; scale: number[] };
+  at?: number | null;
+}
+
 /** A document and the design that it is a state of. */
 export interface Step {
   document: ProjectDocument;
@@ -101,6 +107,8 @@ export interface Step {
   name: string;
   /** of what the browser keeps of the design */
   id: string;
+  /** of a step that changed what is shown, and not the document */
+  sight?: { before: Sight; after: Sight };
 }
 /** What can be undone and done again. */
 export interface History {
@@ -125,11 +133,16 @@ export const isSaved = computed(() => !present.value || saved.value === asText(p
 export const markSaved = (): void => void (saved.value = asText(present.peek()));
 
 let underWay: string | undefined; // the gesture that made the last step
+let lastLook = 0; // when what is shown was changed last, ms
+const pause = 1000; // ms, between two looks that are two steps
+let showSight: (sight: Sight) => void = () => undefined;
+/** Who shows what undo brings back of the view. */
+export const showSightBy = (shows: (sight: Sight) => void): void => void (showSight = shows);
 
 /** Replaces the document; the old one is a step back. All edits of one gesture, until it has ended, are one step. */
 export function edit(changed: ProjectDocument, gesture?: string): void {
   const now = present.peek();
-  if (now && JSON.stringify(now.document) !== JSON.stringify(changed)) add({ ...now, document: changed }, gesture);
+  if (now && JSON.stringify(now.document) !== JSON.stringify(changed)) add({ document: changed, name: now.name, id: now.id }, gesture);
 }
 
 function add(step: Step, gesture?: string): void {
@@ -148,7 +161,19 @@ export function open(document: ProjectDocument, name: string): void {
 
 export function rename(name: string): void {
   const now = present.peek();
-  if (now && name !== "" && name !== now.name) add({ ...now, name });
+  if (now && name !== "" && name !== now.name) add({ document: now.document, name, id: now.id });
+}
+
+/** Something else is shown of the same document, which is a step as an edit is one. What follows at once is the same movement. */
+export function looked(before: Sight, after: Sight): void {
+  const now = present.peek();
+  if (!now || JSON.stringify(before) === JSON.stringify(after)) return;
+  const gesture = `look ${Object.keys(after).join()}`;
+  const time = performance.now();
+  const goesOn = now.sight !== undefined && underWay === gesture && time - lastLook < pause;
+  lastLook = time;
+  if (!goesOn) underWay = undefined;
+  add({ document: now.document, name: now.name, id: now.id, sight: { before: goesOn ? now.sight?.before ?? before : before, after } }, gesture);
 }
 
 export function endGesture(): void {
@@ -157,7 +182,10 @@ export function endGesture(): void {
 
 export function undo(): void {
   underWay = undefined;
-  if (canUndo.peek()) history.value = { ...history.peek(), at: history.peek().at - 1 };
+  if (!canUndo.peek()) return;
+  const taken = present.peek();
+  history.value = { ...history.peek(), at: history.peek().at - 1 };
+  if (taken?.sight) showSight(taken.sight.before);
 }
 
 /** The last step was none. */
@@ -169,7 +197,10 @@ export function takeBack(): void {
 
 export function redo(): void {
   underWay = undefined;
-  if (canRedo.peek()) history.value = { ...history.peek(), at: history.peek().at + 1 };
+  if (!canRedo.peek()) return;
+  history.value = { ...history.peek(), at: history.peek().at + 1 };
+  const made = present.peek();
+  if (made?.sight) showSight(made.sight.after);
 }
 
 /** A document with other values of some keys; undefined takes a key out. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hand will feel of the scene, beside it all the time: the program's verdict, how strong a focus would be that
-// rests and buzzes, the weakest part, the size of a focus, loudness; and what should be known, in the server's words, each with a way to see and to mend it.
+// What a hand will feel of the scene, beside it all the time: the program's verdict, how strong its places are and what is not known of
+// that, the size of a focus, loudness; and what should be known, in the server's words, each with a way to see and to mend it.
 import { ChevronDown, ChevronUp, CircleCheck, LoaderCircle, TriangleAlert } from "lucide-preact";
 import { edit, having, project, type ProjectDocument } from "./document";
 import { wordsOf } from "./labels";
@@ -22,50 +22,60 @@ export function Remedies({ remedies, disabled = false }: { remedies: Remedy[]; d
   return <>{remedies.map(({ label, changes }) => <button key={label} type="button" class="remedy" disabled={disabled} onClick={() => project.value && edit(mended(project.value, changes))}>{label}</button>)}</>;
 }
 
-/** A focal point and its force over what a palm just feels, if it rested and buzzed. */
+/** A place of the verdict, and how much it has over what a palm just feels, dB. */
 interface Felt {
-  times: number;
-  at: number;
+  over: number;
   place: Point;
-  width_mm: number;
 }
 
-/** The weakest and the strongest focal point, without those that a modulation makes weak on purpose. */
-export function feltOf(scene: Scene, analysis: Analysis): { weakest: Felt; strongest: Felt } | undefined {
-  const most = Math.max(...scene.tour.map(({ amplitude }) => amplitude));
-  const whole = new Map(scene.tour.map((entry, at) => [entry.record, { ...entry, number: at }] as const).filter(([, { amplitude }]) => amplitude >= 0.99 * most));
-  const all = analysis.foci.flatMap(({ record, force_mn, width_mm }): Felt[] => {
-    const entry = whole.get(record);
-    return entry ? [{ times: force_mn / analysis.least_felt_mn, at: entry.number, place: entry.at, width_mm }] : [];
-  });
-  if (all.length === 0) return undefined;
-  const by = (better: (a: number, b: number) => boolean): Felt => all.reduce((best, each) => (better(each.times, best.times) ? each : best));
-  return { weakest: by((a, b) => a < b), strongest: by((a, b) => a > b) };
+/** The weakest and the strongest place of the verdict, and between what all of them may be with what is not known. Without any that alternates, none. */
+export function feltOf({ places }: Analysis): { weakest: Felt; strongest: Felt; least: number; most: number } | undefined {
+  const all = places.map(({ at, over_db }): Felt => ({ over: over_db ?? -Infinity, place: at }));
+  const by = (better: (a: number, b: number) => boolean): Felt | undefined => all.reduce<Felt | undefined>((best, each) => (!best || better(each.over, best.over) ? each : best), undefined);
+  const [weakest, strongest] = [by((a, b) => a < b), by((a, b) => a > b)];
+  if (!weakest || !strongest || strongest.over === -Infinity) return undefined;
+  return { weakest, strongest, least: Math.min(...places.map(({ least_db }) => least_db ?? -Infinity)), most: Math.max(...places.map(({ most_db }) => most_db ?? -Infinity)) };
+}
+
+/** The first entry of the tour at a place. */
+const entryOf = ({ tour }: Scene, place: Point): number => tour.findIndex(({ at }) => at.every((each, i) => Math.abs(each - (place[i] ?? 0)) < 1e-3));
+
+/** How wide the focus at a place is, mm; of the records of a place, one is analysed. */
+function widthAt(scene: Scene, { foci }: Analysis, place: Point): number | undefined {
+  const there = new Set(scene.tour.filter(({ at }) => at.every((each, i) => Math.abs(each - (place[i] ?? 0)) < 1e-3)).map(({ record }) => record));
+  return foci.find(({ record }) => there.has(record))?.width_mm;
 }
 
 type Verdict = "clear" | "perhaps" | "unfelt" | "notes" | "looking" | "nothing" | "refused";
 
 /** The program's verdict in a word. */
-function verdictOf({ verdict }: Analysis, found: number): Verdict {
-  if (verdict.startsWith("felt")) return found > 0 ? "notes" : "clear";
+function verdictOf({ verdict }: Analysis, found: Finding[]): Verdict {
+  // What an ear hears says nothing of what a hand feels.
+  if (verdict.startsWith("felt")) return found.some(({ kind }) => kind !== "loud") ? "notes" : "clear";
   return verdict.startsWith("perhaps") ? "perhaps" : "unfelt";
 }
 
 /** How sure it is: the rest of the program's sentence, without the level that it is of. */
 const bandOf = ({ verdict }: Analysis): string => verdict.slice(verdict.indexOf(":") + 1).replace(/;[^;]*$/, "").trim();
 
-/** From a tenth to a hundred times what is just felt, as a part of the bar. */
-const onBar = (times: number): number => 100 * Math.min(1, Math.max(0, (Math.log10(Math.max(times, 1e-6)) + 1) / 3));
+/** The ends of the bar, dB over what is just felt. */
+const ends = [-20, 40] as const;
+/** Where decibels are on the bar, from 0 to 200. */
+const onBar = (db: number): number => 200 * Math.min(1, Math.max(0, (db - ends[0]) / (ends[1] - ends[0])));
+const signed = (db: number): string => (db === -Infinity ? "nothing" : `${db < 0 ? "−" : "+"}${Math.abs(db).toFixed(1)} dB`);
 
-function Meter({ weakest, strongest }: { weakest: Felt; strongest: Felt }) {
-  const [low, high, felt] = [onBar(weakest.times), onBar(strongest.times), onBar(1)];
+/** The places of the verdict, from the weakest to the strongest, and around them what is not known. */
+function Meter({ weakest, strongest, least, most }: NonNullable<ReturnType<typeof feltOf>>) {
+  const [low, high, from, to, felt] = [onBar(weakest.over), onBar(strongest.over), onBar(least), onBar(most), onBar(0)];
+  const left = Math.min(low, 197); // a single place is seen, too
   return (
-    <svg class="meter" viewBox="0 0 200 26" preserveAspectRatio="none" role="img" aria-label={`From ${short(weakest.times)} to ${short(strongest.times)} times what is just felt`}>
+    <svg class="meter" viewBox="0 0 200 26" preserveAspectRatio="none" role="img" aria-label={`From ${signed(weakest.over)} to ${signed(strongest.over)} over what is just felt; with what is not known, from ${signed(least)} to ${signed(most)}`}>
       <rect class="track" x="0" y="6" width="200" height="12" rx="3" />
-      <rect class="unfelt" x="0" y="6" width={2 * felt} height="12" rx="3" />
-      <rect class="range" x={2 * low} y="6" width={Math.max(4, 2 * (high - low))} height="12" rx="3" />
-      {low < felt && <rect class="below" x={2 * low} y="6" width={2 * (Math.min(high, felt) - low)} height="12" rx="3" />}
-      <rect class="threshold" x={2 * felt - 1} y="2" width="2" height="20" />
+      <rect class="unfelt" x="0" y="6" width={felt} height="12" rx="3" />
+      <rect class="unknown" x={from} y="9" width={Math.max(0, to - from)} height="6" />
+      <rect class="range" x={left} y="6" width={Math.max(3, high - left)} height="12" rx="2" />
+      {low < felt && <rect class="below" x={left} y="6" width={Math.max(3, Math.min(high, felt) - left)} height="12" rx="2" />}
+      <rect class="threshold" x={felt - 1} y="1" width="2" height="22" />
     </svg>
   );
 }
@@ -86,8 +96,10 @@ export function Feel({ actions }: { actions: Actions }) {
   const { value: refused } = state.refused;
   // As long as the box over the view says so, it is said there alone.
   const found = refused ? (state.failure.value ? [] : [{ kind: "refused", message: wordsOf(refused), records: [], remedies: refused.ways ?? [] }]) : now ? analysis.value?.findings ?? now.findings : [];
-  const felt = now && analysis.value ? feltOf(now, analysis.value) : undefined;
-  const verdict: Verdict = refused ? "refused" : !now ? "nothing" : !analysis.value || !current.value ? "looking" : verdictOf(analysis.value, found.length);
+  const felt = now && analysis.value ? feltOf(analysis.value) : undefined;
+  const width = now && analysis.value && felt ? widthAt(now, analysis.value, felt.strongest.place) : undefined;
+  const weakestAt = now && felt ? entryOf(now, felt.weakest.place) : -1;
+  const verdict: Verdict = refused ? "refused" : !now ? "nothing" : !analysis.value || !current.value ? "looking" : verdictOf(analysis.value, found);
   const closed = folded.value.feel;
   const Icon = verdict === "clear" ? CircleCheck : ["perhaps", "unfelt", "notes", "refused"].includes(verdict) ? TriangleAlert : LoaderCircle;
   return (
@@ -101,15 +113,18 @@ export function Feel({ actions }: { actions: Actions }) {
       {!closed && (
         <div class={current.value || refused ? "feel-body" : "feel-body stale"}>
           {now && analysis.value && <p class="hint">By models: {analysis.value.verdict}.</p>}
-          {felt && analysis.value && (
+          {felt && (
             <>
-              <p class="hint">If each focus rested and buzzed:</p>
               <Meter {...felt} />
               <p class="ends"><span>nothing</span><span class="just">just felt</span><span>strong</span></p>
+            </>
+          )}
+          {now && analysis.value && (
+            <>
               <dl>
-                <dt>Weakest part</dt><dd><button type="button" class="link" onClick={() => actions.mark(felt.weakest.at)}>{short(felt.weakest.times)} ×, at {felt.weakest.place.map((each) => Math.round(each) || 0).join(", ")} mm</button></dd>
-                <dt>Strongest part</dt><dd>{short(felt.strongest.times)} ×</dd>
-                <dt>Focus</dt><dd>{short(felt.strongest.width_mm)} mm wide</dd>
+                {felt && <><dt>Weakest place</dt><dd><button type="button" class="link" disabled={weakestAt < 0} onClick={() => actions.mark(weakestAt)}>{signed(felt.weakest.over)}, at {felt.weakest.place.map((each) => Math.round(each) || 0).join(", ")} mm</button></dd></>}
+                {felt && <><dt>Strongest place</dt><dd>{signed(felt.strongest.over)}</dd></>}
+                {felt && width !== undefined && <><dt>Focus there</dt><dd>{short(width)} mm wide</dd></>}
                 <dt>At an ear, 300 mm</dt><dd class={analysis.value.at_300_mm_db > analysis.value.most_at_300_mm_db ? "warning" : ""}>{Math.round(analysis.value.at_300_mm_db)} dB of {Math.round(analysis.value.most_at_300_mm_db)}</dd>
               </dl>
               {!analysis.value.level.calibrated && <details class="more"><summary>At which level</summary><p class="hint">{analysis.value.level.note}</p></details>}
@@ -126,10 +141,7 @@ function Findings({ actions, found }: { actions: Actions; found: Finding[] }) {
   const { scene, current } = state;
   const show = (finding: Finding): void => {
     const at = scene.value?.tour.findIndex(({ record }) => finding.records.includes(record)) ?? -1;
-    const entry = scene.value?.tour[at];
-    if (!entry) return;
-    actions.mark(at);
-    actions.place(state.orientation.value, entry.at);
+    if (at >= 0) actions.point(at);
   };
   return (
     <ul class="findings">

@@ -97,11 +97,12 @@ function Touched({ actions, now, hand }: WithDocument) {
       {withHeight.includes(object) && <NumberField label="Height" unit="mm" value={hand.height_mm ?? hand.size_mm ?? 100} least={0.001} onValue={(height_mm) => change(now, { height_mm })} />}
       <PointField label={labels.center} each={labels.center} unit="mm" value={centre} onValue={(center_mm) => change(now, { center_mm })} />
       <PointField label={labels.rotate} each={labels.rotate} unit="°" step={5} value={turned} onValue={(rotate_deg) => change(now, { rotate_deg })} />
-      <label class="drop">
-        Drop a recording or a closed mesh anywhere, or choose one
-        <input type="file" multiple accept=".json,.lz,.pose,.ply,.obj,.stl,.off,.3mf,.gltf,.glb" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
-        <small>Leap JSON or LZ; poses with their model_hand.json; PLY, OBJ, STL, OFF, 3MF or glTF</small>
-      </label>
+      <div class="buttons">
+        <label class="button" title="Leap JSON or LZ; poses with their model_hand.json; PLY, OBJ, STL, OFF, 3MF or glTF">Open a file…
+          <input class="hidden" type="file" multiple accept=".json,.lz,.pose,.ply,.obj,.stl,.off,.3mf,.gltf,.glb" onChange={(e) => { void actions.drop([...(e.currentTarget.files ?? [])]); e.currentTarget.value = ""; }} />
+        </label>
+      </div>
+      <p class="hint">A recording or a closed mesh; or drop it anywhere.</p>
     </Panel>
   );
 }
@@ -117,7 +118,7 @@ function Algorithm({ actions, now, hand }: WithDocument) {
       <Choice label="Algorithm" value={hand.algorithm ?? "A"} choices={(hello?.algorithms ?? []).map(({ letter, about }) => [letter, `${letter}: ${about}`])} onValue={(algorithm) => change(now, { algorithm })} />
       <Choice label="Pace" value={pace} choices={paces} onValue={(key) => set({ speed_m_s: key === "speed_m_s" ? 7 : undefined, frequency_hz: key === "frequency_hz" ? 30 : undefined })} />
       {pace === "speed_m_s" && <NumberField label={labels.speed_m_s} unit="m/s" value={now.speed_m_s ?? 7} least={0.000001} onValue={(speed_m_s) => set({ speed_m_s })} />}
-      {pace === "frequency_hz" && <NumberField label="Passes a second" unit="Hz" value={now.frequency_hz ?? 30} least={0.000001} onValue={(frequency_hz) => set({ frequency_hz })} />}
+      {pace === "frequency_hz" && <NumberField label="Passes a second" unit="" value={now.frequency_hz ?? 30} least={0.000001} onValue={(frequency_hz) => set({ frequency_hz })} />}
       <Choice label="Between lines" value={String(now["jump"] ?? "hop")} choices={[["hop", "hop at once"], ["blank", "silent on the way"]]} onValue={(jump) => set({ jump: jump === "hop" ? undefined : jump })} />
       <NumberField label="Points of a pass" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => set({ points })} />
       <Modulation actions={actions} now={now} set={set} />
@@ -177,7 +178,7 @@ export function HandReport() {
             <Row name="Strength on the lines" value={short(report.strength_pa)} unit="Pa" />
             <Row name="of a focus that rests" value={short(report.focus_pa)} unit="Pa" />
             <Row name="Width of a focus" value={short(report.width_mm)} unit="mm" />
-            <Row name="Passes a second" value={short(report.draw_hz)} unit="Hz" />
+            <Row name="Passes a second" value={short(report.draw_hz)} unit="" />
             <Row name="Lines" value={String(report.lines)} unit="" />
             <Row name="Length of all lines" value={short(report.length_mm)} unit="mm" />
             <Row name="Foci at a time" value={String(report.foci)} unit="" />

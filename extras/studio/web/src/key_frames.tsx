@@ -10,6 +10,8 @@ import { entryAt } from "./tour";
 
 const eases = [["linear", "goes on evenly"], ["smooth", "goes on gently"], ["step", "stays until the next"]] as const;
 export const fewPoints = 20; // each focal point of each pass is one that the board must hold
+const mostSteps = 190; // in the first second, so that every board holds them
+const usualRate = 10; // passes a second
 
 /** Without what a frame has anyway. */
 function brief(frame: KeyFrame): KeyFrame {
@@ -30,7 +32,7 @@ function limitsOf(frames: KeyFrame[], at: number): [number, number] {
 function choose(actions: Actions, i: number): void {
   state.keyFrame.value = i;
   const [scene, frame] = [state.scene.peek(), project.peek()?.keyframe?.[i]];
-  if (scene && frame && state.current.peek() && scene.tour.length > 0) actions.mark(entryAt(scene, Math.min(frame.time_s, scene.pass_s)));
+  if (scene && frame && state.current.peek() && scene.tour.length > 0) actions.mark(entryAt(scene, Math.min(frame.time_s, scene.pass_s)), false);
 }
 
 /** A key frame in the timeline: a click chooses it, dragging and arrow keys move it. @param shown  the times at the timeline's ends */
@@ -82,7 +84,9 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
   const frames = now.keyframe ?? [];
   const put = (keyframe: KeyFrame[] | undefined, of = now): void => edit(withoutOldForms(having(of, { keyframe }), frames));
   const begin = (): void => {
-    edit(having(now, { keyframe: [{ time_s: 0 }, { time_s: 1 }], points: Math.min(now.points ?? 200, fewPoints) }));
+    const points = Math.min(now.points ?? 200, fewPoints);
+    const rate_hz = Math.min(now.rate_hz ?? usualRate, Math.floor(mostSteps / points));
+    edit(having(now, { keyframe: [{ time_s: 0 }, { time_s: 1 }], points, rate_hz, speed_m_s: undefined, frequency_hz: undefined }));
     state.keyFrame.value = 1;
   };
   if (frames.length === 0)

@@ -27,6 +27,9 @@ export function placeOf(where: string): string {
   return line === undefined ? name : `${name}, line ${line}`;
 }
 
+/** What stands before a failure's words: what is wrong where it is known, and else where. */
+export const headOf = ({ where, message }: Failure): string => (/out of reach|cannot reach/.test(message) ? "Out of reach" : placeOf(where));
+
 /** The same folder may stand in the words, too. */
 export function wordsOf({ where, message }: Failure): string {
   const folder = where.startsWith("/") && !where.startsWith("/dev/") ? where.slice(0, where.lastIndexOf("/") + 1) : "";

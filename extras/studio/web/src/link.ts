@@ -71,8 +71,8 @@ export interface Remedy {
 export interface Analysis {
   level: { calibrated: boolean; source_pa_m: number; note: string };
   foci: { record: number; radiation_pa: number; width_mm: number; depth_mm: number; side_lobe: number; force_mn: number }[];
-  /** the force that a palm just feels of a focus that rests and buzzes */
-  least_felt_mn: number;
+  /** those that the verdict is of: decibels over what a palm just feels, expected and with what is not known; null: nothing at all */
+  places: { at: Point; over_db: number | null; least_db: number | null; most_db: number | null }[];
   at_300_mm_db: number;
   /** that is recommended for ears */
   most_at_300_mm_db: number;
@@ -451,8 +451,9 @@ export abstract class Link {
     return await this.json("POST", "/api/project", new Blob([JSON.stringify(document)]));
   }
 
-  async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
-    return await this.request("GET", as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`);
+  /** @param name  of the design, for the report */
+  async take(scene: string, as: FileOfScene | "methods", name = ""): Promise<Blob> {
+    return await this.request("GET", as === "report" ? `/api/report?scene=${scene}&name=${encodeURIComponent(name)}` : `/api/take?scene=${scene}&as=${as}`);
   }
 
   /** The scene's image in its board's bitstream; with autostart it plays at power-up. */

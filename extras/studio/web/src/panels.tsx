@@ -7,7 +7,7 @@ import { commands } from "./commands";
 import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
 import { designName, project } from "./document";
 import { Remedies } from "./feel";
-import { placeOf, wordsOf } from "./labels";
+import { headOf, wordsOf } from "./labels";
 import type { Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
 import { type Actions, boardOf, type Handles, made, noProgram, shownRecord, state, whyNotMade } from "./state";
@@ -82,7 +82,7 @@ export function Numbers() {
         <tbody>
           <Row name="Focal points" value={String(scene.foci.length)} unit={numbers.clipped > 0 ? `, ${numbers.clipped} out of reach` : ""} />
           <Row name="Tour" value={short(numbers.tour_mm)} unit="mm" />
-          <Row name="Passes a second" value={short(numbers.rate_hz)} unit="Hz" />
+          <Row name="Passes a second" value={short(numbers.rate_hz)} unit="" />
           <Row name="Shortest dwell" value={short(numbers.shortest_dwell_s * 1e6)} unit="µs" mark={numbers.shortest_dwell_s < numbers.formation_s ? "too short" : undefined} />
           <Row name="A focus forms in" value={short(numbers.formation_s * 1e6)} unit="µs" />
           <Row name="with ring-up" value={short(numbers.formation_with_ring_up_s * 1e6)} unit="µs" />
@@ -121,11 +121,12 @@ export function SliceControls({ actions }: WithActions) {
         <input id={height} type="range" min={20} max={300} step={0.5} value={middle[2]} onInput={(e) => move(2, Number(e.currentTarget.value))} />
       </div>
       <PointField label="Middle" each="Middle" unit="mm" value={middle.map((each) => Number(each.toFixed(2)))} onValue={(value) => actions.place(orientation, value as Point)} />
-      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <button type="button" disabled={!state.object.value} onClick={actions.ontoObject}>Back onto the object</button>
+      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Only the marked point</label>
       <label class="check"><input type="checkbox" checked={state.skin.value} disabled={state.reach.value} onChange={(e) => actions.showSkin(e.currentTarget.checked)} /> On the skin of a hand, too</label>
       <More what="colours, surface, reach, handles">
         <Choice label="Colours" value={colours} choices={colourMaps.map((map) => [map, map])} onValue={(value) => (look.value = { ...look.value, colours: value as ColourMap })} />
-        <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Hold the top of the scale</label>
+        <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Keep this scale</label>
         {slice && top !== undefined && shown !== "below" && <NumberField label="Top" unit={quantities[shown].unit} value={Number(valueOf(top, shown, top, slice.skinPerSquare).toPrecision(6))} least={shown === "level" ? -100 : 1e-6} onValue={(value) => (look.value = { ...look.value, top: squareOf(value, shown, top, slice.skinPerSquare) })} />}
         <Choice label="Surface" value={String(state.surface.value ?? "")} choices={[["", "none"], ...surfaces.map((below): [string, string] => [String(below), `${below} dB below the greatest`])]} onValue={(value) => (state.surface.value = value === "" ? undefined : Number(value))} />
         {state.surfacing.value && <p class="hint">The surface is being computed.</p>}
@@ -159,6 +160,8 @@ export function Bar() {
   );
 }
 
+const pointsOf = (count: number): string => `${count} focal point${count === 1 ? "" : "s"}`;
+
 /** What a length is in the middle of the view. */
 export function ScaleBar() {
   const mm = state.mmPerPixel.value;
@@ -170,12 +173,18 @@ export function ScaleBar() {
 export function Failed() {
   const failure = state.failure.value;
   if (!failure) return null;
-  return <p class="failed" role="alert"><strong>{placeOf(failure.where)}</strong> {wordsOf(failure)} <Remedies remedies={failure.ways ?? []} /> <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button></p>;
+  const [first, ...others] = wordsOf(failure).split("\n");
+  return (
+    <div class="failed" role="alert">
+      <strong>{headOf(failure)}</strong> {first} {others.length > 0 && <pre tabIndex={0} aria-label="In full">{others.join("\n")}</pre>}
+      <Remedies remedies={failure.ways ?? []} /> <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button>
+    </div>
+  );
 }
 
 export function Status() {
   const { slice, scene, current, refused } = state;
-  const words = refused.value ? whyNotMade.value : !current.value ? "Compiling…" : !scene.value ? `${designName.value}: no image` : `${designName.value}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
+  const words = refused.value ? whyNotMade.value : !current.value ? "Compiling…" : !scene.value ? `${designName.value}: no image` : `${designName.value}: ${pointsOf(scene.value?.foci.length ?? 0)} for ${scene.value?.array.name ?? ""}`;
   return (
     <footer>
       <span>{words}</span>

@@ -2,7 +2,7 @@
 // What the page has under way with the server: asks for the scene of the newest document and for what is shown of it, and
 // puts the answers into the state and into the view.
 import { Comparer } from "./comparer";
-import { history, present, project, type ProjectDocument, type Step, takeBack } from "./document";
+import { history, looked, present, project, type ProjectDocument, type Sight, type Step, takeBack } from "./document";
 import { openFirst } from "./files";
 import { begin as keep, type Design } from "./keeper";
 import { HandReader, type HandShown } from "./hand_reader";
@@ -72,11 +72,14 @@ export class Session {
       const kept = project.peek() ? undefined : await keep(() => this.namedFiles(), tell);
       for (const file of this.sent.values()) await this.link.sendFile(file);
       if (kept) await this.restore(kept);
-      else openFirst(hello.document, hello.project);
+      else if (!(state.hints.peek() && hello.project === "example" && (await this.openShown()))) openFirst(hello.document, hello.project);
       this.ask();
     };
     void greet().catch(tell);
   }
+
+  /** Opens what a first visitor sees, a design that is felt. @return whether it could */
+  openShown: () => Promise<boolean> = () => Promise.resolve(false);
 
   /** Opens what the browser kept. */
   restore: (design: Design) => Promise<void> = () => Promise.resolve();
@@ -109,6 +112,37 @@ export class Session {
     if (state.alone.peek()) this.slicer.ask(true);
     const work = state.work.value;
     if (work?.t === "progress" && work.work === "stream") this.stream();
+  }
+
+  /** The plane, and the marked focal point, as a step of the history has them. */
+  get sight(): Required<Sight> {
+    const place = this.view?.planePlace ?? { middle: state.middle.peek(), turn: [], scale: [] };
+    return { plane: { orientation: state.orientation.peek(), ...place }, at: state.at.peek() ?? null };
+  }
+
+  /** Does what a person does to the view, so that undo takes it back. @param which  of the view's parts it changes */
+  look(which: (keyof Sight)[], does: () => void): void {
+    const parts = (): Sight => Object.fromEntries(Object.entries(this.sight).filter(([part]) => which.includes(part as keyof Sight)));
+    const before = parts();
+    does();
+    looked(before, parts());
+  }
+
+  showSight({ plane, at }: Sight): void {
+    if (plane) {
+      state.orientation.value = plane.orientation;
+      state.middle.value = plane.middle;
+      if (this.view) this.view.planePlace = plane;
+      this.planeMoved();
+    }
+    if (at === undefined) return;
+    this.runner.stop();
+    if (at === null) {
+      this.unmark();
+      if (state.alone.peek()) this.slicer.ask(false);
+    } else {
+      this.mark(at);
+    }
   }
 
   /** Plays the marked entry on the board. */

@@ -15,9 +15,9 @@ import { Triggers } from "./triggers";
 
 /** What says how fast the object is played; the others follow. `usual` is what a change of pace begins with. */
 const paces = [
-  { key: "rate_hz", name: "passes a second", label: labels.rate_hz, unit: "Hz", usual: 10 },
+  { key: "rate_hz", name: "passes a second", label: labels.rate_hz, unit: "", usual: 10 },
   { key: "speed_m_s", name: "speed of the focus", label: labels.speed_m_s, unit: "m/s", usual: 7 },
-  { key: "frequency_hz", name: "drawings a second", label: labels.frequency_hz, unit: "Hz", usual: 10 },
+  { key: "frequency_hz", name: "drawings a second", label: labels.frequency_hz, unit: "", usual: 10 },
 ] as const;
 const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
 

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
 import type { Design } from "./keeper";
-import { placeOf, wordsOf } from "./labels";
+import { headOf, wordsOf } from "./labels";
 import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FileSize, FrameReport, HandFrame, Hello, Link, LiveScene, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
@@ -88,6 +88,8 @@ export const state = {
   playsPoint: signal<number | undefined>(undefined),
   /** The scene that the board plays, whichever page began it, as the engine tells; "": none. */
   played: signal(""),
+  /** Whether nothing of the object is in the view. */
+  outside: signal(false),
   /** Millimetres of one pixel in the middle of the view. */
   mmPerPixel: signal(0),
   /** Whether the engine is there, answers nothing, or has gone. */
@@ -200,7 +202,7 @@ export const whyNotMade = computed(() => {
   const { engine, refused, current } = state;
   if (made.value) return "";
   if (engine.value !== "here") return engine.value === "silent" ? "The server does not answer." : noProgram.value ? "What computes in this page has ended." : "The server is gone.";
-  if (refused.value) return `This design cannot be made: ${[placeOf(refused.value.where), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
+  if (refused.value) return `This design cannot be made: ${[headOf(refused.value), wordsOf(refused.value)].filter(Boolean).join(": ").split(":\n")[0]}`;
   if (state.showsKept.value) return "The view shows the kept design. In the step See, “Show the kept one” ends that, and “Go back to it” takes it.";
   return current.value ? "There is nothing to play." : "";
 });
@@ -233,6 +235,10 @@ export interface Actions {
   play(): void;
   /** The view shows all that there is. */
   frame(): void;
+  /** Puts the plane back through the middle of the object. */
+  ontoObject(): void;
+  /** Saves what the view shows as a picture. */
+  picture(): Promise<void>;
   send(t: string, members?: Record<string, unknown>): void;
   take(as: FileOfScene): Promise<void>;
   /** The image in its board's bitstream as a file; with autostart it plays at power-up. */
@@ -245,8 +251,10 @@ export interface Actions {
   copy(text: string): Promise<void>;
   /** Hands text to the user as a file. */
   save(text: string, name: string): void;
-  /** Marks a focal point, and plays it when the marked point is being played. */
-  mark(at: number): void;
+  /** Marks a focal point, and plays it when the marked point is being played. @param isStep  that undo takes back */
+  mark(at: number, isStep?: boolean): void;
+  /** Marks a focal point and puts the plane through it. */
+  point(at: number): void;
   stream(): void;
   /** Lets the timeline run from the marked point on, or stops it. */
   run(on: boolean): void;

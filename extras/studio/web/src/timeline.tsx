@@ -71,6 +71,10 @@ export function Timeline({ actions }: { actions: Actions }) {
   const folded = state.folded.value.time;
   const { tour } = scene;
   const entry = at === undefined ? undefined : tour[at];
+  const points = scene.foci.length;
+  // A modulation plays each focal point in several steps.
+  const number = !entry || tour.length === points ? (at ?? 0) + 1 : scene.foci.findIndex((each) => each.every((value, i) => value === entry.at[i])) + 1;
+  const steps = tour.length === points || number === 0 ? "" : `, step ${(at ?? 0) + 1} of ${tour.length}`;
   const playing = tour[state.playsPoint.value ?? -1];
   const shown = windowOf(scene, zoom, at);
   const scale = width / (shown.to - shown.from);
@@ -84,7 +88,7 @@ export function Timeline({ actions }: { actions: Actions }) {
   };
   const ms = (seconds: number): string => `${short(seconds * 1e3)} ms`;
   return (
-    <div class="scrubber" role="group" aria-label="Timeline">
+    <div class="scrubber" role="region" aria-label="Timeline">
       {!folded && <div class="lane-box"><svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries${keys.length > 0 ? ` and ${keys.length} key frames` : ""}${starts.length > 0 ? ` and ${starts.length} places where triggers begin` : ""} in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
         <path class="blocks" d={blocks(scene, shown)} />
         {keys.map((time, i) => <path key={i} class="key" d={`M${(time - shown.from) * scale} 0v${height}`} />)}
@@ -97,7 +101,7 @@ export function Timeline({ actions }: { actions: Actions }) {
         <button type="button" aria-pressed={state.running.value} onClick={() => actions.run(!state.running.value)}>{state.running.value ? "❚❚ Hold" : "▶ Run"}</button>
         <label for={id}>Focal point</label>
         <input id={id} type="range" min={0} max={tour.length - 1} step={1} value={at ?? 0} onInput={(e) => actions.mark(Number(e.currentTarget.value))} />
-        <output for={id}>{entry ? `${(at ?? 0) + 1} of ${tour.length}: ${entry.at.map(tenths).join(", ")} mm` : `${tour.length}, none marked`}</output>
+        <output for={id}>{entry ? `${number || (at ?? 0) + 1} of ${number ? points : tour.length}${steps}: ${entry.at.map(tenths).join(", ")} mm` : `${points}, none marked`}</output>
         <Choice label="Time" value={String(state.slower.value)} choices={slowings.map((each) => [String(each), each === 1 ? "as on the board" : `1/${each.toLocaleString("en")} as fast`])} onValue={(value) => (state.slower.value = Number(value))} />
         <Choice label="Zoom" value={String(zoom)} choices={zooms.map((each) => [String(each), each === 1 ? "whole pass" : `× ${each}`])} onValue={(value) => setZoom(Number(value))} />
       </div>

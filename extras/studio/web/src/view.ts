@@ -2,7 +2,7 @@
 // The 3-D view: array, object, foci, tour and a plane that shows the field. Millimetres, z up. It draws when something has
 // changed, and not otherwise.
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Group, InstancedMesh,
+  AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Frustum, Group, InstancedMesh,
   Line, LineBasicMaterial, LineLoop, LineSegments, LinearFilter, type Material, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter,
   type Object3D, PerspectiveCamera, Plane, PlaneGeometry, Points, PointsMaterial, Raycaster, RedFormat, Scene as World, ShaderMaterial, Vector2, Vector3,
   WebGLRenderer, Box3,
@@ -19,6 +19,13 @@ import { type Look, quantities } from "./quantity";
 import { type Skin, SkinDrawing, welded } from "./skin";
 
 export type Orientation = "xy" | "xz" | "yz";
+
+/** Where the plane is: its middle, millimetres, how it is turned as a quaternion, and how large it is. */
+export interface PlanePlace {
+  middle: Point;
+  turn: number[];
+  scale: number[];
+}
 
 /** A corner of the plane and the edges that begin there, millimetres. */
 export interface Edges {
@@ -63,10 +70,14 @@ export class View {
   readonly canvas: HTMLCanvasElement;
   /** Called when the plane was moved. */
   moved: () => void = () => {};
+  /** Called when the plane was let go by its handles, with where it was before. */
+  letGo: (before: PlanePlace) => void = () => {};
   /** Called while the object is moved or turned by its handles, and once more when it is let go. */
   objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
   /** Called when it has changed how many millimetres a pixel is in the middle of the view. */
   scaled: (mmPerPixel: number) => void = () => {};
+  /** Called with whether nothing of the object is in the view, whenever it is drawn. */
+  outside: (outside: boolean) => void = () => {};
   /** Called when the pointer is over the plane, with the place in millimetres and the mean square pressure there; and when it has left. */
   probed: (found: { at: Point; square: number } | undefined) => void = () => {};
 
@@ -92,6 +103,7 @@ export class View {
   private readonly axes = new Axes();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
+  private readonly boxOfObject = new Box3();
   private centreOfOne: Vector3 | undefined;
   private readonly focus: Points<BufferGeometry, PointsMaterial>;
   private readonly uniforms = {
@@ -105,6 +117,7 @@ export class View {
   private shownColours: ColourMap | undefined;
   private pointer: Vector2 | undefined;
   private texture: DataTexture | undefined;
+  private taken: PlanePlace | undefined;
   private waiting = false;
 
   /** @throws Error when the browser has no WebGL 2 */
@@ -142,9 +155,13 @@ export class View {
     this.world.add(this.pivot, this.focus);
     this.gizmo = new TransformControls(this.camera, this.canvas);
     this.gizmo.attach(this.plane);
-    this.gizmo.setSize(0.7);
+    this.gizmo.setSize(0.45);
     this.gizmo.addEventListener("dragging-changed", (event) => {
       orbit.enabled = !event.value;
+      if (this.gizmo.object === this.plane) {
+        if (event.value) this.taken = this.planePlace;
+        else if (this.taken) this.letGo(this.taken);
+      }
       if (!event.value && this.gizmo.object === this.pivot) this.tellObject(true);
     });
     this.gizmo.addEventListener("change", () => this.redraw());
@@ -171,6 +188,17 @@ export class View {
     this.plane.rotation.set(orientation === "xy" ? 0 : Math.PI / 2, orientation === "yz" ? Math.PI / 2 : 0, 0, "YXZ");
     this.plane.scale.set(160, 160, 1);
     this.plane.position.set(...middle);
+    this.redraw();
+  }
+
+  get planePlace(): PlanePlace {
+    const { position, quaternion, scale } = this.plane;
+    return { middle: position.toArray(), turn: quaternion.toArray(), scale: scale.toArray() };
+  }
+  set planePlace({ middle, turn, scale }: PlanePlace) {
+    this.plane.position.fromArray(middle);
+    this.plane.quaternion.fromArray(turn as [number, number, number, number]);
+    this.plane.scale.fromArray(scale as Point);
     this.redraw();
   }
 
@@ -236,8 +264,11 @@ export class View {
 
   /** Marks the focal point of the scrubber. */
   showFocus(at: Point | undefined): void {
-    this.focus.visible = at !== undefined;
-    if (at) this.focus.position.set(...at);
+    // A board says every few moments where it is, and mostly that is where it was.
+    const { focus } = this;
+    if (focus.visible === (at !== undefined) && (!at || focus.position.equals(new Vector3(...at)))) return;
+    focus.visible = at !== undefined;
+    if (at) focus.position.set(...at);
     this.redraw();
   }
 
@@ -307,7 +338,7 @@ export class View {
     const points = new Points(geometryOf(drawn.points), new PointsMaterial({ size: 2, sizeAttenuation: false }));
     for (const part of [skin, lines, points]) part.userData["colour"] = "--object";
     this.object.add(skin, lines, points);
-    const box = new Box3().setFromObject(this.object);
+    const box = this.boxOfObject.setFromObject(this.object);
     if (!box.isEmpty()) this.middleOfAll = box.getCenter(new Vector3());
     this.placePivot();
     this.paint();
@@ -432,6 +463,7 @@ export class View {
     this.hand.paint(colour);
     this.live.paint(colour);
     this.axes.paint(colour);
+    this.gizmo.setColors(colour("--axis-x"), colour("--axis-y"), colour("--axis-z"), colour("--accent"));
     this.paintDiscs();
     for (const group of [this.object, this.surface, this.path, this.outline, this.stroke])
       for (const part of group.children)
@@ -466,8 +498,32 @@ export class View {
     requestAnimationFrame(() => {
       this.waiting = false;
       this.renderer.render(this.world, this.camera);
+      this.outside(this.isOutside());
       this.probed(this.probe());
     });
+  }
+
+  /** The middle of what was drawn as the object, to a tenth of a millimetre. */
+  get middleOfObject(): Point {
+    return this.middleOfAll.toArray().map((each) => Math.round(10 * each) / 10 || 0) as Point;
+  }
+
+  private isOutside(): boolean {
+    if (!this.object.visible || this.boxOfObject.isEmpty()) return false;
+    const seen = new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
+    return !new Frustum().setFromProjectionMatrix(seen).intersectsBox(this.boxOfObject);
+  }
+
+  /** What is shown, without handles, as PNG. */
+  async picture(): Promise<Blob> {
+    const handles = this.gizmo.getHelper();
+    const { visible } = handles;
+    handles.visible = false;
+    this.renderer.render(this.world, this.camera);
+    const made = new Promise<Blob>((done, failed) => this.canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("The browser made no picture of the view.")))));
+    handles.visible = visible;
+    this.redraw();
+    return await made;
   }
 
   /** A place of the page as the camera counts: from -1 to 1. */
