@@ -304,12 +304,6 @@ def test_a_holder_has_a_place_for_each_transducer(tmp_path):
     assert not (tmp_path / "wrong.svg").exists()
 
 
-def test_a_board_may_be_named_by_a_part_that_only_it_has(tmp_path):
-    assert pinout("hx8k", cwd=tmp_path)["board"] == "ice40-hx8k-breakout"
-    succeed(["compile", "--shape", "point", "--board", "hx8k", "-o", "point.hex"], cwd=tmp_path)
-    assert b"colorlight-5a-75e-v7.1," in run(["board", "power", "75e"], cwd=tmp_path).stderr
-
-
 def test_a_holder_is_flat(tmp_path):
     (tmp_path / "tilted.toml").write_text("name = 'tilted'\n[array]\nelements_mm = [[0, 0, 0], [20, 0, 5]]\n[transducer]\nname = 'any'\nradius_mm = 4.5\nsource_pa_m = 1\n")
     refuse(tmp_path, ["board", "holder", "tilted.toml"], BAD_INPUT)

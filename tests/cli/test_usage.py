@@ -12,7 +12,7 @@ CIRCLE = ["compile", "--shape", "circle", "-o", "image.hex"]
 @pytest.mark.check
 def test_version_and_help_are_data():
     result = succeed(["--version"])
-    said = r"haptogram \d+\.\d+\.\d+\ncommit: ([0-9a-f]{7,}(-dirty)?|unknown)\nbuilt with: feel hands formats calibration live papers robot scattering serve studio .*\btile-100 .*\n"
+    said = r"haptogram \d+\.\d+\.\d+\ncommit: ([0-9a-f]{7,}(-dirty)?|unknown)\nbuilt with: feel hands serve formats calibration live papers robot scattering studio .*\btile-100 .*\n"
     assert re.fullmatch(said, text(result.stdout)) and result.stderr == b""
     for command in ([], ["compile"], ["inspect"], ["simulate"], ["field"]):
         result = succeed([*command, "--help"])

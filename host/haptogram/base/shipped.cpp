@@ -37,26 +37,11 @@ void require_no_part(const std::string& name, std::string_view folder, std::stri
                         fmt::format("no shipped {} has this name; did you mean {}?", kind, fmt::join(names, ", ")));
 }
 
-namespace {
-
-/// The name that has this one between dashes, if only one has: hx8k is ice40-hx8k-breakout.
-std::string only_one_with(const std::string& part, std::string_view folder, std::string_view ending) {
-    std::vector<std::string> names = shipped_names(folder, ending);
-    std::erase_if(names, [&](const std::string& each) {
-        return part.empty() || ("-" + each + "-").find("-" + part + "-") == std::string::npos;
-    });
-    return names.size() == 1 ? names.front() : "";
-}
-
-}  // namespace
-
 std::string path_or_shipped(const std::string& name, std::string_view folder, std::string_view ending,
                             std::string_view kind) {
     if (name.find('/') != std::string::npos || name.ends_with(ending)) return name;
     const std::string shipped = fmt::format("{}{}/{}{}", shipped_prefix, folder, name, ending);
     if (shipped_file(shipped)) return shipped;
-    if (const std::string whole = only_one_with(name, folder, ending); kind == "board" && !whole.empty())
-        return fmt::format("{}{}/{}{}", shipped_prefix, folder, whole, ending);
     require_no_part(name, folder, ending, kind);
     throw bad_input(name, fmt::format("no shipped {} has this name (shipped are {}); give the path of a {} file", kind,
                                       fmt::join(shipped_names(folder, ending), ", "), ending));

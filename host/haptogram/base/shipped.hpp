@@ -32,8 +32,7 @@ inline constexpr std::string_view shipped_prefix = "shipped:";
 /// @throws Error{bad_input} naming the shipped files whose names contain `name`, when there are any
 void require_no_part(const std::string& name, std::string_view folder, std::string_view ending, std::string_view kind);
 
-/// What a user means by `name`: a path when it has a slash or ends in `ending`, else the shipped file of that name; of
-/// a board also the only one that has the name as a part: hx8k.
+/// What a user means by `name`: a path when it has a slash or ends in `ending`, else the shipped file of that name.
 /// @param kind  what it is, for messages, such as "array"
 /// @throws Error{bad_input} naming those that are shipped
 [[nodiscard]] std::string path_or_shipped(const std::string& name, std::string_view folder, std::string_view ending,

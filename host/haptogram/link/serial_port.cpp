@@ -43,11 +43,10 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     asio::serial_port& serial = port_->serial;
     boost::system::error_code error;
     static_cast<void>(serial.open(path, error));
-    constexpr auto no_terminal = boost::system::errc::inappropriate_io_control_operation;
-    if (error == no_terminal) throw port_->error("is no serial port; 'haptogram device list' shows the ports");
     if (error)
-        throw port_->error(
-            fmt::format("cannot be opened: {}; 'haptogram device list' shows the ports", error.message()));
+        throw port_->error(fmt::format(
+            "cannot be opened: {}; 'haptogram device list' shows the ports",
+            error == boost::system::errc::inappropriate_io_control_operation ? "no serial port" : error.message()));
     if (!keep_to_us(serial.native_handle())) throw port_->error("another program is using it; end that one first");
     using Base = asio::serial_port_base;
     try {

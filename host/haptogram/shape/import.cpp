@@ -122,8 +122,7 @@ ShapeFormat shape_format(const std::string& file_name) {
     const std::string extension = ending_of(file_name);
     for (const auto& [known, format] : endings)
         if (extension == known) return format;
-    if (extension == ".hex")
-        throw bad_input(file_name, "this is an image, which is compiled already; upload, inspect or feel it");
+    if (extension == ".hex") throw bad_input(file_name, "is an image, compiled already; upload, inspect or feel it");
     throw bad_input(file_name,
                     fmt::format("found the extension {}, expected .3mf, .csv, .glb, .gltf, .obj, .off, .pcd, .ply, "
                                 ".stl, .svg or .xyz; export the shape in one of these formats and name the file so",

@@ -57,8 +57,7 @@ constexpr double speck_m = 5e-3;
 
 /// Says so of a shape, and, of a file in a unit that may be another, in which units it would be no speck.
 void warn_of_speck(const Shape& shape, const std::string& name, bool in_a_unit, std::vector<std::string>& warnings) {
-    const Box box = bounding_box(shape);
-    const Vec3 extent = box.high - box.low;
+    const Vec3 extent = bounding_box(shape).extent();
     const double wide_m = std::max({extent.x, extent.y, extent.z});
     if (wide_m == 0.0 || wide_m >= speck_m) return;
     std::string units;
@@ -81,7 +80,7 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
         Shape part;
         if (source.file.empty() && !source.content) {
             part = make_primitive(source.primitive);
-            if (source.placement.size_m.value_or(project.placement.size_m.value_or(0.0)) == 0.0)
+            if (!source.placement.size_m && !project.placement.size_m)
                 warn_of_speck(part, source.primitive.kind, false, warnings);
         } else {
             const bool here = source.content || source.file == "-";
@@ -739,10 +738,9 @@ std::string short_dwell_warning(const Compiled& compiled) {
 }
 
 double metres_per_unit(const std::string& unit) {
-    if (unit == "mm") return millimetre;
-    if (unit == "cm") return 0.01;
-    if (unit == "m") return 1.0;
-    if (unit == "inch" || unit == "in") return 0.0254;
+    for (const auto& [name, metres] :
+         {std::pair{"mm", millimetre}, {"cm", 0.01}, {"m", 1.0}, {"inch", 0.0254}, {"in", 0.0254}})
+        if (unit == name) return metres;
     throw bad_argument("unit", fmt::format("must be mm, cm, m or inch, found '{}'", unit));
 }
 

@@ -210,10 +210,7 @@ constexpr Setting of_projects[] = {
     with(of<&Project::jump>("jump", "--jump", Choices(jumps),
                             "Between curves: hop, in no time, or blank, silence for as long as the way takes"),
          for_drawn),
-    with(of<&Project::even>(
-             "even", "--even", Flag{},
-             "Let weak points last longer, so that all points feel alike; each point keeps at least a third "
-             "of an equal dwell"),
+    with(of<&Project::even>("even", "--even", Flag{}, "Let weak points last longer, so that all feel alike"),
          for_shapes),
     of<&Project::am>("am", "--am", FileOrName{},
                      "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, sawtooth:HZ, "
