@@ -160,17 +160,20 @@ def test_a_link_that_loses_frames_is_named_and_the_rest_goes_on(tmp_path):
         assert outcomes(found) == {"link": "failed", "outputs": "passed"} and "sent again" in found["link"]["found"]
 
 
-def test_a_check_that_the_board_breaks_off_has_failed_and_the_rest_goes_on(tmp_path):
-    cleared = 0
+def test_a_check_in_which_the_outputs_go_off_has_failed_and_the_rest_goes_on(tmp_path):
+    tripped = 0
+    trips = REPLY_HEADER + 2 * 7  # the status word watchdog_trips
 
-    def one_goes_off(frame):
-        nonlocal cleared
-        if frame[1] != STATUS | 0x80 or not frame[REPLY_HEADER] & 1 or cleared:
+    def goes_off_once(frame):
+        nonlocal tripped
+        if frame[1] != STATUS | 0x80:
             return frame
-        cleared += 1
-        return with_status(frame, lambda word: word & ~1)
+        first = frame[REPLY_HEADER] & 1 and not tripped
+        tripped = tripped or frame[REPLY_HEADER] & 1
+        counted = frame[:trips] + bytes([frame[trips] + tripped]) + frame[trips + 1 :]
+        return with_status(counted, lambda word: word & ~1 if first else word)
 
-    with reference_board(tmp_path), between(tmp_path, reply=one_goes_off):
+    with reference_board(tmp_path), between(tmp_path, reply=goes_off_once):
         found = findings(tmp_path, "--check", "clock,outputs", port="bad", code=RUN_FAILED)
         assert outcomes(found) == {"clock": "failed", "outputs": "passed"} and found["clock"]["advice"]
 

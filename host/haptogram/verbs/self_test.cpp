@@ -11,7 +11,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -104,26 +103,20 @@ Image pulsing_image(const Identity& identity, const Array& array, std::span<cons
 
 namespace {
 
-/// Runs it. @return what the board did not do of it, in words; empty when all went well
-std::string what_went_wrong(const std::function<void()>& run) {
+/// A check in which the board turns its outputs off by itself has failed, and the others are still made.
+Finding found_by(const Named& check, Commands& device, const SelfTestSettings& settings) {
+    const auto trips = [](const Status& status) { return std::pair(status.watchdog_trips, status.guard_trips); };
+    const Status before = device.status();
     try {
-        run();
+        return check.run(device, settings);
     } catch (const LinkLost&) {
         throw;
     } catch (const Error& error) {
-        if (error.code() != ErrorCode::device) throw;
-        return error.message();
+        const Status after = device.status();
+        if (error.code() != ErrorCode::device || after.enabled || trips(after) == trips(before)) throw;
+        return {check.check, Outcome::failed, error.message(),
+                "this machine may have been held up, so that the watchdog heard nothing: run this check again"};
     }
-    return {};
-}
-
-/// A check that the board breaks off is one that failed, and the others are still made.
-Finding found_by(const Named& check, Commands& device, const SelfTestSettings& settings) {
-    Finding found;
-    const std::string wrong = what_went_wrong([&] { found = check.run(device, settings); });
-    if (wrong.empty()) return found;
-    return {check.check, Outcome::failed, wrong,
-            "this machine may have been held up, so that the watchdog heard nothing: run this check again"};
 }
 
 }  // namespace
@@ -402,17 +395,21 @@ std::string play_pulsing(Commands& device, const SelfTestSettings& settings, std
     PlaySettings how;
     how.seconds = for_s;
     how.warn = settings.warn;
-    std::string wrong;
-    const std::string refused = what_went_wrong([&] {
+    try {
         const Played played = play(device, how, [&](const Playing& now) {
             progress(std::min(1.0, now.seconds / for_s));
             return true;
         });
         heed(played.interrupted);
-        if (played.refused_records != 0) wrong = "the board refused to play the record";
-        if (played.guard_trips != 0) wrong = "the guard switched the outputs off";
-    });
-    return refused.empty() ? wrong : refused;
+        if (played.guard_trips != 0) return "the guard switched the outputs off";
+        if (played.refused_records != 0) return "the board refused to play the record";
+    } catch (const LinkLost&) {
+        throw;
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::device) throw;
+        return error.message();
+    }
+    return {};
 }
 
 std::string numbers(const std::set<std::uint32_t>& channels) { return fmt::format("{}", fmt::join(channels, ", ")); }
