@@ -25,6 +25,9 @@ async function withTwo(t) {
   return { page, triggers };
 }
 
+/** Waits until a part has begun. */
+const plays = (page) => page.getByText("Outputs are on; it waits for a trigger.").waitFor({ state: "detached" });
+
 test("triggers are made in the page, and a key or a button starts its part on the board", async (t) => {
   const { page, triggers } = await withTwo(t);
   await fill(page, "Trigger 1 plays to", 0.05);
@@ -60,21 +63,20 @@ test("triggers are made in the page, and a key or a button starts its part on th
   await page.locator("button.play").first().click();
   await boardSays(page, "outputs ON");
   await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
-  const mode = async () => await page.evaluate(() => document.getElementById("board").textContent);
   await page.locator("body").press("x"); // no trigger
   await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
   const buttons = page.getByRole("group", { name: "Triggers" });
   await buttons.getByRole("button", { name: "Region" }).click();
-  await boardSays(page, "sequence"); // on and on
+  await plays(page); // on and on
   await page.locator("body").press("q"); // which ends that, and itself
-  await eventually(async () => /outputs ON$/.test(await mode()), mode);
+  await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
   assert.ok((await accessible(page)) > 10);
   // Where text is typed, a key is a letter.
   await buttons.getByRole("button", { name: "Region" }).click();
-  await boardSays(page, "sequence");
+  await plays(page);
   await page.locator(".menu summary").click();
   await page.getByLabel("Name", { exact: true }).press("q");
-  await boardSays(page, "sequence");
+  await plays(page);
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
   await eventually(async () => (await buttons.count()) === 0);
@@ -104,12 +106,12 @@ test("words of a script and hands that enter a region start their parts by a nam
   appendFileSync(pipe, "stop\n");
   await page.getByText("found 'stop', expected 'go' or a scene of a live session").waitFor();
   appendFileSync(pipe, "go\n");
-  await boardSays(page, "sequence"); // on and on
+  await plays(page); // on and on
   const hand = (x) => `${JSON.stringify({ scene: 2, hands: [{ palm_mm: [x, 0, 150], fingers_mm: [] }] })}\n`;
   appendFileSync(pipe, hand(100) + hand(0) + hand(10)); // which ends that, and itself
   await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
   appendFileSync(pipe, "go\n");
-  await boardSays(page, "sequence");
+  await plays(page);
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
 });

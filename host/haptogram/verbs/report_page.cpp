@@ -514,7 +514,7 @@ std::string report_page(const Timeline& timeline, const ImageAnalysis& analysis,
     const std::string name = escaped(timeline.name);
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Report on "
-        "{0}</title>\n{1}</head><body>\n"
+        "{0}</title>\n{1}</head><body><main>\n"
         "<h1>Report on {0}</h1>\n<h2>For a section on methods</h2>\n<p>{2}</p>\n<h2>What to know</h2>\n",
         name, style, escaped(methods_text(timeline)));
     if (!verdict.empty()) html += fmt::format("<p>Whether a hand feels it, by models: {}.</p>\n", escaped(verdict));
@@ -536,7 +536,7 @@ std::string report_page(const Timeline& timeline, const ImageAnalysis& analysis,
             base64(picture));
     html += fmt::format(
         "<h2>Foci</h2>\n<p>Computed, not measured: what a model of the array makes of the "
-        "image.</p>\n{}</body></html>\n",
+        "image.</p>\n{}</main></body></html>\n",
         table_of(analysis));
     return html;
 }

@@ -24,10 +24,10 @@ function kept(): StudyChoice {
 export function StudyPage({ actions }: WithActions) {
   const session = state.session.value;
   return (
-    <div id="study" class="study" hidden={!state.studying.value}>
+    <main id="study" class="study" hidden={!state.studying.value}>
       {!inSession.value && <button type="button" onClick={() => actions.study(false)}>← Back to the design</button>}
       {session ? <Session key={session.of.results} session={session} actions={actions} /> : <Choose actions={actions} />}
-    </div>
+    </main>
   );
 }
 
