@@ -185,6 +185,12 @@ def test_a_speck_is_told_of_unless_its_size_is_given(tmp_path):
     assert b"circle: it is 0.04 mm wide" in succeed(["compile", "--shape", "circle", "--diameter", "0.04", "-o", "speck.hex"], cwd=tmp_path).stderr
 
 
+def test_an_image_is_no_shape(tmp_path):
+    succeed(["compile", "--shape", "point", "-o", "image.hex"], cwd=tmp_path)
+    refuse(tmp_path, ["compile", "image.hex", "-o", "again.hex"], BAD_INPUT)
+    assert b"is an image" in run(["compile", "image.hex", "-o", "again.hex"], cwd=tmp_path).stderr
+
+
 def image_of(folder, *args):
     succeed(["compile", *args, "-o", "image.hex"], cwd=folder)
     return (folder / "image.hex").read_bytes()

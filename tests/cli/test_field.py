@@ -97,6 +97,12 @@ def test_an_image_makes_the_field_of_its_pulses(small):
     assert np.allclose(level[:, 2], 10 * np.log10(square / 4e-10), atol=1e-3)
 
 
+def test_many_points_are_told_of(tmp_path):
+    many = ["field", "--focus", "0,0,130", "--extent", "1600", "-o", "many.npy"]
+    assert b"warning: 10246401 points" in succeed(many, cwd=tmp_path).stderr
+    assert b"points take" not in succeed([*many, "--step", "20"], cwd=tmp_path).stderr
+
+
 def test_a_manifest_alone_has_exact_phases(small):
     arguments = ["--extent", 40, "--step", 5]
     _, exact = field_of(small.folder, "image.json", *arguments)

@@ -24,6 +24,7 @@ def lines(path):
 def test_a_run_and_its_recording_make_the_same_rings(tmp_path):
     first = json.loads(succeed([*PRESS, *BOARD, "--record", "hand", "--scene", "first.jsonl", "--json"], cwd=tmp_path).stdout)
     assert first["shots"] == 12 and first["missed"] == 0 and first["underruns"] == 0 and first["with_rings"] >= 7
+    assert first["level"]["note"].startswith("nominal level: ")  # also of rings without a magnitude
     assert 20 < first["latency_ms"]["least"] < first["latency_ms"]["most"] < 50
     again = ["live", "--from", "depth:hand", "--size", "60", "--center", "0,0,170", *BOARD, "--scene", "second.jsonl", "--json"]
     second = json.loads(succeed(again, cwd=tmp_path).stdout)

@@ -2,7 +2,7 @@
 // What mends a design that is refused.
 #pragma once
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "haptogram/verbs/report_page.hpp"
