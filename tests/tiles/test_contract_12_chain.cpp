@@ -220,6 +220,11 @@ TEST_CASE("contract 12: what is for all switches all off, and all answer", "[con
     for (std::size_t i = 0; i < 4; ++i) REQUIRE(bench.tiles.board(i).outputs().enabled);
     sim::TileTransport wire(bench.tiles, 0);
     const auto number = static_cast<std::uint8_t>(random());
+    // The hosts chose their sessions' numbers at random, and an IDENTIFY with the same one would be a late copy.
+    wire.write(to_all(static_cast<std::uint8_t>(number + 100), interface::Command::identify));
+    bench.run_bits(10 * 4 * 120);
+    static_cast<void>(wire.read(std::chrono::microseconds(0)));
+    for (std::size_t i = 0; i < 4; ++i) REQUIRE(bench.tiles.board(i).outputs().enabled);
     wire.write(to_all(number, interface::Command::identify));
     wire.write(to_all(static_cast<std::uint8_t>(number + 1), interface::Command::disable));
     while (!bench.tiles.board(0).line_idle()) bench.run_bits(0.1);
